@@ -19,7 +19,7 @@ docs() { scripts/docs.sh; }
 # Whether the mistakes that are seeded into the firmware still find their places in it.
 mistakes() {
     firmware/mistakes.py --check
-    chip/mistakes.py --check
+    verify/chip/mistakes.py --check
 }
 licences() { scripts/licences.sh; }
 # Status 77: this machine cannot check it. That is no failure and no pass, and the last line says so.
@@ -31,7 +31,7 @@ file_lengths() { scripts/file-lengths.sh; }
 # What needs a feature of the program has a word in its name by which it is chosen.
 tests() {
     cargo test
-    cargo test --package fivebar --features mcap,png -- mcap log image
+    cargo test --package fivebar --package fivebar-report --features fivebar/mcap,fivebar/png -- mcap log image
 }
 # Each published crate as a package, compiled from its own archive. Each run takes a new target folder, because
 # cargo unpacks an archive once for each path and version: at a known path it would compile the crates of an older run.
@@ -40,7 +40,8 @@ package() {
     local folder
     folder=$(mktemp -d "$built/package-XXXXXX")
     CARGO_TARGET_DIR=$folder cargo package --quiet --allow-dirty --package fivebar-kinematics \
-        --package fivebar-design --package fivebar-firmware --package fivebar-plant --package fivebar
+        --package fivebar-design --package fivebar-firmware --package fivebar-plant \
+        --package fivebar-files --package fivebar-sim --package fivebar-report --package fivebar
     rm -rf "$folder"
 }
 # A sample, which runs only by name, and on CI as a job of its own: it compiles a copy of the sources.
@@ -67,9 +68,9 @@ emulated() {
 }
 # Builds the fuzz targets and runs each over its committed inputs.
 fuzz() {
-    fuzz/build.sh files
-    for target in fuzz/fuzz_targets/*.rs; do
-        fuzz/run.sh "$(basename "$target" .rs)" -runs=0
+    verify/fuzz/build.sh files
+    for target in verify/fuzz/fuzz_targets/*.rs; do
+        verify/fuzz/run.sh "$(basename "$target" .rs)" -runs=0
     done
 }
 commands() { scripts/commands.sh; }

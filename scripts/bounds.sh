@@ -16,7 +16,7 @@ if command -v llvm-objdump >/dev/null; then
         "$built/debug/examples/decode" "$images/$image" >"$built/decoded.txt"
         llvm-objdump --disassemble --triple=thumbv7em-none-eabihf --mcpu=cortex-m4 \
             --no-show-raw-insn --no-print-imm-hex "$images/$image" >"$built/disassembled.txt"
-        python3 bounds/compare_llvm.py "$built/decoded.txt" "$built/disassembled.txt"
+        python3 verify/bounds/compare_llvm.py "$built/decoded.txt" "$built/disassembled.txt"
     done
 else
     echo "bounds: no llvm-objdump; the decoder was not compared with it" >&2

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs the production image on the simulated STM32F405 of the folder chip: builds the image, the
+# Runs the production image on the simulated STM32F405 of the folder verify/chip: builds the image, the
 # simulation and its tests. Installs the CPU emulator's library (Debian: libunicorn-dev) if it is
 # missing.
 set -euo pipefail
@@ -14,19 +14,19 @@ if ! [ -e /usr/include/unicorn/unicorn.h ] && ! install_packages libunicorn-dev;
 fi
 # The image's compiler is not this crate's.
 unset RUSTC RUSTC_BOOTSTRAP
-manifest=(--manifest-path chip/Cargo.toml)
+manifest=(--manifest-path verify/chip/Cargo.toml)
 cargo fmt "${manifest[@]}" --check
 cargo clippy "${manifest[@]}" --all-targets --quiet -- -D warnings
 
 # What the tests ran, how long the tick was and how deep the stack, compared with what is committed.
-chip_built=${CARGO_TARGET_DIR:-$PWD/chip/target}
+chip_built=${CARGO_TARGET_DIR:-$PWD/verify/chip/target}
 export CHIP_FIGURES=$chip_built/figures
 rm -rf "$CHIP_FIGURES"
 mkdir -p "$CHIP_FIGURES"
 cargo test "${manifest[@]}"
-image=$(chip/image.sh | tail -n 1)
-cargo run --quiet "${manifest[@]}" --bin figures "$image" "$CHIP_FIGURES" chip/figures.txt
+image=$(verify/chip/image.sh | tail -n 1)
+cargo run --quiet "${manifest[@]}" --bin figures "$image" "$CHIP_FIGURES" verify/chip/figures.txt
 
 # docs/use/bring-up.md, step by step, with a hand at the simulated arm.
 cargo build --quiet --package fivebar
-chip/bring_up.py "$chip_built/debug/board" "$image" "$built/debug/fivebar" --until dynamics
+verify/chip/bring_up.py "$chip_built/debug/board" "$image" "$built/debug/fivebar" --until dynamics

@@ -19,15 +19,15 @@ scratch=$built/commands
 reason_not_to_run() {
     case "$1" in
     'cargo test') echo "ci.sh's step tests does this" ;;
-    'cd chip && cargo test') names_steps chip && echo "ci.sh's step chip does this" ;;
-    *'chip/Cargo.toml --bin board') echo "it runs until it is interrupted" ;;
+    'cd verify/chip && cargo test') names_steps chip && echo "ci.sh's step chip does this" ;;
+    *'verify/chip/Cargo.toml --bin board') echo "it runs until it is interrupted" ;;
     './ci.sh'*) names_steps ${1#./ci.sh} && echo "ci.sh is running" ;;
     'scripts/firmware.sh') names_steps firmware && echo "ci.sh's step firmware does this" ;;
     'pip install ./python' | 'python python/'*)
         names_steps python && echo "ci.sh's step python does it in an environment of its own"
         ;;
     'cargo install '*) echo "it installs a program for the user" ;;
-    'fuzz/'*) names_steps fuzz && echo "ci.sh's step fuzz builds the targets and runs them" ;;
+    'verify/fuzz/'*) names_steps fuzz && echo "ci.sh's step fuzz builds the targets and runs them" ;;
     'scripts/mutants.sh'* | 'firmware/mistakes.py') echo "it takes hours" ;;
     'probe-rs '*) echo "it needs a board on a debug probe" ;;
     *) return 1 ;;
@@ -144,7 +144,7 @@ run() {
 cargo build --release --quiet --package fivebar --features png,mcap
 rm -rf "$scratch"
 mkdir -p "$scratch"
-ln -s "$root/sim-harness" "$scratch/sim-harness"
+ln -s "$root/host" "$scratch/host"
 
 declare -A seen
 count=0

@@ -2,7 +2,7 @@
 """Writes a run as an animated SVG: the arm and what it draws, in real time, again and again.
 
     cargo run -- --out out/sim
-    scripts/moving_picture.py sim-harness/robots/benchtop.toml out/sim/trace.csv >docs/use/moving-arm.svg
+    scripts/moving_picture.py host/files/robots/benchtop.toml out/sim/trace.csv >docs/use/moving-arm.svg
 """
 import csv
 import math

@@ -18,17 +18,17 @@ fivebar() { cargo run --quiet --release --features mcap -- "$@"; }
 run() {
     mkdir -p "$out/$1"
     fivebar export mjcf "$2" --out "$out/$1/arm.xml"
-    fivebar sim sim-harness/scenarios/no_mismatch.toml --robot "$2" \
+    fivebar sim host/files/scenarios/no_mismatch.toml --robot "$2" \
         --out "$out/$1" --log "$out/$1/run.mcap" >"$out/$1/run.log"
 }
 run level usp_2dof
 # Upright, with a payload: its motors are ideal.
 sed -e 's/^gravity = .*/gravity = [0.0, -9.81]/' -e 's/^payload = .*/payload = 0.2/' \
-    sim-harness/robots/usp_2dof.toml >"$out/loaded.toml"
+    host/files/robots/usp_2dof.toml >"$out/loaded.toml"
 run loaded "$out/loaded.toml"
 # Upright, with motors, their friction and brakes.
 sed -e 's/^gravity = .*/gravity = [0.0, -9.81]/' -e 's/^\[\[actuator\]\]/&\nbrake_torque = 0.5/' \
-    sim-harness/robots/benchtop.toml >"$out/upright.toml"
+    host/files/robots/benchtop.toml >"$out/upright.toml"
 run upright "$out/upright.toml"
 fivebar export urdf usp_2dof --out "$out/arm.urdf"
 # L/R: 1 ms of ideal motors, and 0.24 mH / 2.3 Ω.

@@ -1,5 +1,5 @@
 """Seeds mistakes into a copy of the sources, one at a time, and runs tests on it. Each mistake
-must be caught. firmware/mistakes.py and chip/mistakes.py hold the mistakes and name the tests."""
+must be caught. firmware/mistakes.py and verify/chip/mistakes.py hold the mistakes and name the tests."""
 import filecmp
 import os
 import pathlib

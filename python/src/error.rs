@@ -1,10 +1,10 @@
 //! Errors as the exceptions of `fivebar._errors`, with their attributes.
 
-use fivebar::input::job::JobError;
-use fivebar::input::scenario::{ModeChangeError, ScenarioError, place_in_job};
-use fivebar::input::source::FileError;
-use fivebar::run::link::TargetError;
-use fivebar::run::simulation::RunError;
+use fivebar_files::job::JobError;
+use fivebar_files::scenario::{ModeChangeError, ScenarioError, place_in_job};
+use fivebar_files::source::FileError;
+use fivebar_sim::link::TargetError;
+use fivebar_sim::simulation::RunError;
 use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;
 use std::fmt::Display;

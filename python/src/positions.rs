@@ -4,7 +4,7 @@ use crate::batch::{Answer, common, rows, solve};
 use crate::error;
 use crate::robot::{Robot, sign};
 use crate::status::Problem;
-use fivebar::input::scenario::change_of_mode;
+use fivebar_files::scenario::change_of_mode;
 use fivebar_firmware::Planner;
 use fivebar_kinematics::five_bar::{Pose, Side, WorkingMode};
 use nalgebra::Vector2;

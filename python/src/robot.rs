@@ -1,7 +1,7 @@
 //! The robot, as Python holds it.
 
 use crate::error;
-use fivebar::input::robot::{BUILT_IN, Robot as Described};
+use fivebar_files::robot::{BUILT_IN, Robot as Described};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use pyo3::prelude::*;
 

@@ -2,13 +2,13 @@
 
 use crate::error;
 use crate::robot::Robot;
-use fivebar::input::robot::BuiltIn;
-use fivebar::input::scenario::Scenario as Described;
-use fivebar::run::link::{InProcess, Target, TargetError};
-use fivebar::run::simulation::{Sample, fault_name};
+use fivebar_files::robot::BuiltIn;
+use fivebar_files::scenario::Scenario as Described;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
 use fivebar_plant::Mismatch;
+use fivebar_sim::link::{InProcess, Target, TargetError};
+use fivebar_sim::simulation::{Sample, Simulate, fault_name};
 use numpy::{Element, IntoPyArray};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! The status of a row as a number; `fivebar.Status` has the names of the numbers.
 
-use fivebar::study::query::QueryErrorKind;
 use fivebar_kinematics::five_bar::{PoseError, Singularity, Unreachable};
+use fivebar_report::study::query::QueryErrorKind;
 use pyo3::pyfunction;
 
 /// Why a row has no answer.

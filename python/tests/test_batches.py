@@ -168,7 +168,7 @@ def test_other_threads_run_during_a_large_batch(arm):
 
 
 def test_arms_can_be_sent_to_other_processes(arm, poses):
-    file = (ROOT / "sim-harness/robots/usp_2dof.toml").read_text(encoding="utf-8")
+    file = (ROOT / "host/files/robots/usp_2dof.toml").read_text(encoding="utf-8")
     for original in (arm, fivebar.Arm.from_toml(file)):
         copy = pickle.loads(pickle.dumps(original))
         assert copy.name == original.name

@@ -10,7 +10,7 @@ import pytest
 import fivebar
 
 ROOT = Path(__file__).resolve().parents[2]
-HARNESS = ROOT / "sim-harness"
+FILES = ROOT / "host/files"
 #: Keys that only the program's runs have, or that differ: the time that a run took.
 OWN = ("out_dir", "wall_s", "pid_tip_error")
 
@@ -70,7 +70,7 @@ def test_the_trace_is_that_of_the_report(arm, program, tmp_path):
 
 @pytest.mark.parametrize("name", ["no_mismatch", "encoder_dies"])
 def test_a_scenario_comes_to_the_same_figures(program, tmp_path, name):
-    scenario = HARNESS / f"scenarios/{name}.toml"
+    scenario = FILES / f"scenarios/{name}.toml"
     expected, status = figures(program, tmp_path, scenario)
     run = fivebar.simulate(scenario)
     assert without(run.summary, *OWN) == without(expected, *OWN)
@@ -80,7 +80,7 @@ def test_a_scenario_comes_to_the_same_figures(program, tmp_path, name):
 
 def test_another_arm_stands_in_for_a_scenarios_own():
     arm = fivebar.Arm.load("usp_2dof")
-    run = arm.simulate(HARNESS / "scenarios/no_mismatch.toml")
+    run = arm.simulate(FILES / "scenarios/no_mismatch.toml")
     assert run.summary["robot"] == "usp_2dof"
 
 

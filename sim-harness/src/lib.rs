@@ -1,6 +1,13 @@
-#![doc = include_str!("../README.md")]
+//! Runs: the simulated arm, connections to a controller, and jobs on both.
 
-pub mod input;
-pub mod run;
-pub mod show;
-pub mod study;
+pub mod controller;
+pub mod crossing;
+pub mod drive;
+pub mod excitation;
+pub mod held;
+pub mod link;
+pub mod measured_pose;
+pub mod path_queue;
+pub mod segment;
+pub mod simulation;
+pub mod time_optimal;

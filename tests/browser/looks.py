@@ -88,7 +88,7 @@ def check(page):
 
 
 def a_report_fits_a_phone(program, browser):
-    job = pathlib.Path(__file__).parents[2] / "sim-harness/jobs/petal.gcode"
+    job = pathlib.Path(__file__).parents[2] / "host/files/jobs/petal.gcode"
     with tempfile.TemporaryDirectory() as out:
         subprocess.run([program, "sim", job, "--out", out], check=True, stdout=subprocess.DEVNULL)
         browser.open(f"file://{out}/report.html")
@@ -108,7 +108,7 @@ def a_report_fits_a_phone(program, browser):
 
 def the_reports_of_studies_are_accessible(program, browser):
     """A page of each kind; those of runs are looked at on a phone."""
-    square = pathlib.Path(__file__).parents[2] / "sim-harness/paths/square.json"
+    square = pathlib.Path(__file__).parents[2] / "host/files/paths/square.json"
     studies = (["accuracy", "benchtop", "--map"], ["clearance", "benchtop", "-", "--radius", "20e-6"],
                ["linkage", "shaper"], ["margins"], ["mobility"], ["plan", "--path", square])
     for study in studies:

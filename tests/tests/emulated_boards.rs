@@ -1,14 +1,14 @@
 //! The firmware images running on QEMU.
 
-use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Scenario;
-use fivebar::run::link::{Client, Emulator, Instructions, Lockstep};
-use fivebar::run::simulation::{Record, Summary};
-use fivebar::show::doctor::compare_outputs;
+use fivebar::doctor::compare_outputs;
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::protocol::{Board, HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};
 use fivebar_plant::Mismatch;
+use fivebar_sim::link::{Client, Emulator, Instructions, Lockstep};
+use fivebar_sim::simulation::{Record, Summary};
 
 /// Lines, corners, arcs both ways, a dwell and a rapid move: 0.3 s of motion and more.
 const JOB: &str = "G21\nG90\nM3\nF12000\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG2 X10 Y10 I10 J0\nG4 S0.05\nG3 X20 Y20 I0 J10\nG0 X25 Y15\n";
@@ -116,7 +116,7 @@ fn the_doctor_tells_this_programs_image_from_another() {
 /// The proved bound of the tick's interrupt [instructions], see `docs/verify/bounds.md`: no tick of a run
 /// takes more.
 fn longest_interrupt() -> u32 {
-    let figures = include_str!("../../bounds/figures.txt");
+    let figures = include_str!("../../verify/bounds/figures.txt");
     let row = figures
         .lines()
         .find_map(|line| line.strip_prefix("stm32f405: ADC"));

@@ -5,11 +5,11 @@ mod bench;
 mod injected_faults;
 
 use bench::{Bench, is_off};
-use fivebar::run::link::Emulator;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Reset, VERSION};
 use fivebar_firmware::safety::State;
+use fivebar_sim::link::Emulator;
 
 fn line() -> Emulator {
     Emulator::start(&Emulator::built_image("qemu")).expect("an emulated board")

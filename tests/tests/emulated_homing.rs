@@ -4,12 +4,12 @@
 mod bench;
 
 use bench::Bench;
-use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::run::link::{Emulator, FaultRates};
+use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
 use fivebar_plant::{Mismatch, Plant};
+use fivebar_sim::link::{Emulator, FaultRates};
 
 /// Homes the benchtop arm with other lines in its file, from 0.01 rad before home, until it rests. Returns the
 /// ticks and the greatest error of the angles [rad].

@@ -5,8 +5,8 @@
 mod bench;
 
 use bench::{Bench, stated};
-use fivebar::run::link::{Emulator, SerialLine};
 use fivebar_plant::FaultKind;
+use fivebar_sim::link::{Emulator, SerialLine};
 use serialport::{SerialPort, TTYPort};
 use std::io::{Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,7 +2,7 @@
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
 
-use fivebar::run::link::Emulator;
+use fivebar_sim::link::Emulator;
 
 /// Flash and static RAM of the production image [bytes].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]

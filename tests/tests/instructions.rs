@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::process::Command;
 
-use fivebar::run::link::Emulator;
+use fivebar_sim::link::Emulator;
 
 /// Counts as last committed.
 const COMMITTED: &str = include_str!("../data/instructions.txt");

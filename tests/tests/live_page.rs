@@ -2,11 +2,12 @@
 //! of pages; the pages themselves are tested in a browser (scripts/browser.sh).
 #![cfg(unix)]
 
-use fivebar::input::robot::Robot;
-use fivebar::run::link::{Client, Loopback, SerialLine};
-use fivebar::show::serve::{ControllerSource, Guard, ServeError, ServeOptions, serve};
+use fivebar::serve::{Guard, ServeError, ServeOptions, serve};
+use fivebar_files::robot::Robot;
 use fivebar_firmware::safety::State;
 use fivebar_plant::{Mismatch, Plant};
+use fivebar_sim::controller::ControllerSource;
+use fivebar_sim::link::{Client, Loopback, SerialLine};
 use serde_json::{Value, json};
 use serialport::{SerialPort, TTYPort};
 use std::io::{ErrorKind, Read, Write};
@@ -349,7 +350,7 @@ fn a_controller_of_another_arm_is_refused() {
 #[cfg(feature = "emulator")]
 #[test]
 fn an_emulated_controller_homes_its_arm_and_stops_it_when_the_page_is_lost() {
-    use fivebar::run::link::Emulator;
+    use fivebar_sim::link::Emulator;
     let image: &'static std::path::Path = Emulator::built_image("qemu").leak();
     let (mut server, link) = server(move || ControllerSource::Emulated(image));
     let mut page = Page::open(&link);

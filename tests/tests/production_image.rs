@@ -3,12 +3,12 @@
 
 mod flash;
 
-use fivebar::run::link::{Client, Emulator};
 use fivebar_firmware::Request;
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Board, CommandError, HostCommand, Identity, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::storage::SettingsStorage;
+use fivebar_sim::link::{Client, Emulator};
 use flash::Flash;
 use object::{Object, ObjectSection, ObjectSymbol};
 use std::io::Write;

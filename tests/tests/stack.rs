@@ -3,9 +3,9 @@
 mod bench;
 
 use bench::Bench;
-use fivebar::run::link::{Client, Emulator};
 use fivebar_firmware::protocol::{HostCommand, Reply, StackUse};
 use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_sim::link::{Client, Emulator};
 
 /// As last committed [bytes].
 #[derive(serde::Deserialize)]

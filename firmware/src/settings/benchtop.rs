@@ -1,4 +1,4 @@
-//! The settings of the benchtop arm, `sim-harness/robots/benchtop.toml`, which
+//! The settings of the benchtop arm, `host/files/robots/benchtop.toml`, which
 //! gives the source of each value. A board without stored settings starts with these, and the
 //! instruction counts are measured with them.
 

@@ -1,7 +1,7 @@
 //! The simulated arm: energy, constraints, motors, sensors, faults and brakes; runs with the same
 //! seed are equal.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault};
 use fivebar_plant::{Loads, Model, Plant, State};
@@ -307,7 +307,7 @@ fn injected_faults_occur_at_their_time() {
 
 #[test]
 fn brakes_hold_the_unpowered_arm_against_gravity_and_stop_its_motion() {
-    let text = include_str!("../../robots/usp_2dof.toml")
+    let text = include_str!("../../../host/files/robots/usp_2dof.toml")
         .replace("[0.0, 0.0]\nbase", "[0.0, -9.81]\nbase");
     let robot = Robot::parse("hanging", &text).unwrap();
     let home = robot.home_pose().unwrap();

@@ -1,6 +1,6 @@
 //! Energy with all effects on, and the determinism of such an arm.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_plant::{Harmonic, Harmonics, Mismatch, Plant};
 use nalgebra::Vector2;
@@ -32,7 +32,7 @@ fn everything() -> Mismatch {
 }
 
 fn plant(gravity: bool) -> Plant {
-    let text = include_str!("../../robots/benchtop.toml");
+    let text = include_str!("../../../host/files/robots/benchtop.toml");
     let text = text.replace(
         "gravity = [0.0, 0.0]",
         if gravity {

@@ -1,6 +1,6 @@
 //! Drives with stiffness, damping and backlash against their closed forms.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_kinematics::five_bar::Pose;
 use fivebar_plant::{FaultKind, Mismatch, Parameters, Plant};

@@ -1,6 +1,6 @@
 //! Friction that holds: below breakaway the joint does not creep, at breakaway it slides.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_plant::{Mismatch, Plant};
 use std::f64::consts::TAU;

@@ -1,17 +1,17 @@
 //! An upright arm and its holding brakes, which take time to engage and to release: how far it falls.
 
-use fivebar::input::robot::Robot;
-use fivebar::run::link::{InProcess, Target};
+use fivebar_files::robot::Robot;
 use fivebar_firmware::Status;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_plant::{FaultKind, Mismatch, Plant};
+use fivebar_sim::link::{InProcess, Target};
 
 const TICK: f64 = 1e-4;
 
 /// The benchtop arm upright, with brakes that take 50 ms.
 fn upright() -> Robot {
-    let text = include_str!("../../robots/benchtop.toml")
+    let text = include_str!("../../../host/files/robots/benchtop.toml")
         .replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]")
         .replace("encoder_counts = ", "brake_torque = 0.5\nencoder_counts = ");
     Robot::parse("upright", &text).unwrap()

@@ -1,8 +1,8 @@
 //! All example linkages in all assemblies: velocities and accelerations compared with finite
 //! differences, forces with the change of energy and momentum; and results from textbooks.
 
-use fivebar::input::linkage::{DrivenLinkage, EXAMPLES};
 use fivebar_design::linkage::{Coordinate, DriveLaw, Linkage, LinkageMotion};
+use fivebar_files::linkage::{DrivenLinkage, EXAMPLES};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 

@@ -11,4 +11,3 @@ mod linkages;
 mod sensing;
 mod unchanged;
 mod worn_joints;
-mod worn_joints_document;

@@ -1,7 +1,7 @@
 //! Encoders with a side, errors and latency; home switches, lengths and torque constants that
 //! differ from the file.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_plant::{EncoderSide, Harmonic, Harmonics, Mismatch, Parameters, Plant};
 use std::f64::consts::TAU;

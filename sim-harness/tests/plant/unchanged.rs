@@ -1,7 +1,7 @@
 //! The ideal arm's motion is the same, bit for bit, as before drives and sensors could be other
 //! than ideal. The controller has no part in it, so that its changes leave these figures alone.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_plant::{Mismatch, Plant, State};
 

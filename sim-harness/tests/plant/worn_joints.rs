@@ -1,8 +1,8 @@
 //! The arm with worn joints: its energy, and its convergence to the ideal arm.
 
-use fivebar::input::robot::Robot;
 use fivebar_design::accuracy::arm::DrivenJointMotion;
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_plant::Mismatch;
 use fivebar_plant::contact::Contact;

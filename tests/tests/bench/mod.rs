@@ -4,8 +4,7 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use fivebar::input::robot::Robot;
-use fivebar::run::link::{Client, FaultInjector, FaultRates, Loopback};
+use fivebar_files::robot::Robot;
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, HostCommand, Reply, Sequence, StepResult, encode,
 };
@@ -13,6 +12,7 @@ use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Request, Settings, Status};
 use fivebar_plant::Plant;
 use fivebar_plant::{FaultKind, Mismatch};
+use fivebar_sim::link::{Client, FaultInjector, FaultRates, Loopback};
 use nalgebra::Vector2;
 use std::io::{Read, Write};
 

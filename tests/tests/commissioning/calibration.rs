@@ -1,11 +1,11 @@
 //! Calibration: the reference plates, derivatives, random arms, refusals, proposed poses.
 
 use crate::arms::{Made, made};
-use fivebar::input::robot::Robot;
 use fivebar_design::Noise;
 use fivebar_design::calibration::{
     Calibration, Parameters, Plate, Touch, calibrate, propose, tip, tip_error,
 };
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Workspace};
 use nalgebra::{Rotation2, Vector2};
 use serde_json::Value;

@@ -1,8 +1,8 @@
 //! Identification: the reference regressors, Kane's equations, ranks.
 
-use fivebar::input::robot::Robot;
 use fivebar_design::Noise;
 use fivebar_design::identification::{BASE_NAMES, Regressor, base_parameters, standard_parameters};
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::{DMatrix, Vector2};

@@ -1,12 +1,12 @@
 //! Identification from simulated logs, and logs that are refused.
 
 use crate::identification::numbers;
-use fivebar::input::robot::Robot;
 use fivebar_design::Noise;
 use fivebar_design::identification::{
     BASE_NAMES, Excitation, Identification, IdentificationError, Log, Observed, base_parameters,
     identify, standard_parameters,
 };
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;

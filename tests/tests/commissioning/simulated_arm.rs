@@ -1,20 +1,20 @@
 //! Identification on the simulated arm, whose equations are not those of the regressor.
 
 use crate::logs::setup;
-use fivebar::input::robot::Robot;
-use fivebar::run::excitation::excite;
-use fivebar::study::identification::{identify_robot, propose_for};
 use fivebar_design::identification::{
     Identification, Regressor, base_parameters, physical_links, standard_parameters,
 };
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::Side;
 use fivebar_plant::Mismatch;
+use fivebar_report::study::identification::{identify_robot, propose_for};
+use fivebar_sim::excitation::excite;
 
 /// Benchtop, or the same arm in an upright plane.
 fn robot(upright: bool) -> Robot {
     let text =
-        Robot::load("benchtop").map(|_| include_str!("../../../sim-harness/robots/benchtop.toml"));
+        Robot::load("benchtop").map(|_| include_str!("../../../host/files/robots/benchtop.toml"));
     let text = text.unwrap();
     let text = if upright {
         text.replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]")

@@ -1,13 +1,13 @@
 //! The arms of the campaign and what their hosts have prepared: jobs, and a crossing.
 
-use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::crossing_move;
-use fivebar::run::time_optimal::JobPlanner;
-use fivebar::study::crossing::task;
+use fivebar_files::robot::{BuiltIn, Robot};
+use fivebar_files::scenario::crossing_move;
 use fivebar_firmware::settings::{CheckedSettings, HomingMethod};
 use fivebar_firmware::{Move, MoveKind, Planner};
 use fivebar_kinematics::five_bar::{Pose, WorkingMode};
 use fivebar_plant::Parameters;
+use fivebar_report::study::crossing::task;
+use fivebar_sim::time_optimal::JobPlanner;
 use nalgebra::Vector2;
 
 /// The share of the torque limits that time-optimal plans use: the motors stand the job for ever.
@@ -37,7 +37,7 @@ pub(crate) struct Arm {
 pub(crate) fn all() -> Vec<Arm> {
     let short_couplers = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../sim-harness/robots/short_couplers.toml"
+        "/../host/files/robots/short_couplers.toml"
     );
     let built_in = ["benchtop", "benchtop_belt", "usp_2dof", short_couplers];
     let robots = built_in.map(|name| Robot::load(name).expect("a robot"));

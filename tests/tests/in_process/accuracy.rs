@@ -1,13 +1,13 @@
 //! Accuracy from the robot file to the figures: the literature's example, analysis against
 //! samples, and the cheapest tolerances.
 
-use fivebar::input::robot::Robot;
-use fivebar::study::accuracy::{accuracy_map, analyse, answer};
 use fivebar_design::accuracy::Sampling;
 use fivebar_design::accuracy::allocation::ToleranceClass;
 use fivebar_design::accuracy::five_bar::{
     AccuracyAnalysis, ToolState, cheapest_classes, monte_carlo,
 };
+use fivebar_files::robot::Robot;
+use fivebar_report::study::accuracy::{accuracy_map, analyse, answer};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 use serde_json::Value;

@@ -1,9 +1,6 @@
 //! Linkages with wrong numbers and loose pins: the analytic matrices against dual numbers
 //! against differences, on every linkage that comes with the program.
 
-use fivebar::input::linkage::{DrivenLinkage, EXAMPLES, Example};
-use fivebar::input::robot::SliderRobot;
-use fivebar::study::accuracy::{analyse_slider, slider_answer};
 use fivebar_design::accuracy::dyad_loops::{time_derivatives, unknowns};
 use fivebar_design::accuracy::linkage::{LinkageAccuracyModel, ResultKind, clearance_equilibrium};
 use fivebar_design::accuracy::loops::VectorLoops;
@@ -13,7 +10,10 @@ use fivebar_design::linkage::{
     Clearance, Coordinate, DriveLaw, Linkage, ParameterKind, SolveError,
 };
 use fivebar_design::slider::{Geometry, WorkingMode};
+use fivebar_files::linkage::{DrivenLinkage, EXAMPLES, Example};
+use fivebar_files::robot::SliderRobot;
 use fivebar_kinematics::Scalar;
+use fivebar_report::study::accuracy::{analyse_slider, slider_answer};
 use nalgebra::Vector2;
 use serde_json::Value;
 
@@ -258,7 +258,7 @@ fn tension_lengthens_and_compression_shortens_a_limb_by_its_clearances() {
 }
 
 /// l3 1.2, l7 1.1, l5 .6 m.
-const SLIDER: &str = include_str!("../../../sim-harness/robots/slider.toml");
+const SLIDER: &str = include_str!("../../../host/files/robots/slider.toml");
 
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().unwrap().iter();

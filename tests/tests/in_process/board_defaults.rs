@@ -1,7 +1,7 @@
 //! The firmware's built-in settings are those of the benchtop arm's robot file, and the wiring's
 //! page and drawing have the board's pins.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_firmware::Settings;
 use std::collections::BTreeSet;
 

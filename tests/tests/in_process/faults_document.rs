@@ -33,7 +33,7 @@ fn rows(part: &str) -> Vec<Vec<&str>> {
 
 /// "encoder jump" of `EncoderJump`.
 fn words(fault: Fault) -> String {
-    fivebar::run::simulation::fault_name(fault)
+    fivebar_sim::simulation::fault_name(fault)
 }
 
 #[test]

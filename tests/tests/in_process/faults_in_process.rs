@@ -1,11 +1,11 @@
 //! Every fault injected by `docs/use/faults.md` with a controller in this process.
 
 use crate::bench::{self, Bench, is_off, stated};
-use fivebar::run::link::Loopback;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, Reset, VERSION};
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_sim::link::Loopback;
 
 fn line() -> Loopback {
     Loopback::lockstep(&bench::robot().settings().expect("masses")).expect("valid settings")

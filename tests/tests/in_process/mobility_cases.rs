@@ -1,9 +1,9 @@
 //! Mobility: all figures of 26 mechanisms of the literature; turning, shifting and scaling must
 //! not change them.
 
-use fivebar::input::mobility::{EXAMPLES, MobilityCase, parse};
-use fivebar::study::mobility::{MobilityAnalysis, answer};
 use fivebar_design::mobility::{Freedom, Joint, MechanismGraph, Screw, analyse_graph};
+use fivebar_files::mobility::{EXAMPLES, MobilityCase, parse};
+use fivebar_report::study::mobility::{MobilityAnalysis, analyse, answer};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ fn compare(cases: &Value) -> Result<(), Box<dyn Error>> {
     let lists = ["parallel", "graph"].map(|kind| cases[kind].as_array().unwrap());
     let mut compared = 0;
     for (case, study) in lists.into_iter().flatten().zip(&studies) {
-        let found = answer(&study.name, &study.analyse());
+        let found = answer(&study.name, &analyse(&study));
         for (key, expected) in case["expected"].as_object().unwrap() {
             if key != NOT_A_RESULT && &found[key] != expected {
                 let found = &found[key];
@@ -92,7 +92,7 @@ proptest! {
 fn example(name: &str) -> (MobilityCase, MobilityAnalysis) {
     let (_, text) = EXAMPLES.iter().find(|(known, _)| *known == name).unwrap();
     let study = parse(name, text).unwrap().remove(0);
-    let analysis = study.analyse();
+    let analysis = analyse(&study);
     (study, analysis)
 }
 
@@ -318,7 +318,7 @@ fn numbers_too_small_or_too_large_to_compute_with_are_refused_in_both_formats() 
     for size in ["1e-6", "1.0", "1e6"] {
         for what in ["axis", "point"] {
             let cases = toml(size, what).unwrap();
-            let answer = answer(&cases[0].name, &cases[0].analyse()).to_string();
+            let answer = answer(&cases[0].name, &analyse(&cases[0])).to_string();
             assert!(!answer.contains("null"), "{size}: {answer}");
         }
     }

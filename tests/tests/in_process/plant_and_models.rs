@@ -1,7 +1,7 @@
 //! The simulated arm, in full coordinates with constraint forces, against the controller's
 //! model by Kane's method and against reference numbers made by a third program.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::five_bar::{Pose, Side, Velocities};
 use fivebar_plant::Mismatch;
 use fivebar_plant::{Model, State};

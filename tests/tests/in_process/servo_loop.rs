@@ -1,13 +1,13 @@
 //! The position loop in the time domain: its computed gain margin against the simulated arm, belts
 //! of any stiffness, encoders that are late or not linear, and an arm at rest.
 
-use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::Scenario;
-use fivebar::run::link::InProcess;
-use fivebar::run::simulation::{Record, Sample};
 use fivebar_design::servo::Servo;
+use fivebar_files::robot::{BuiltIn, Robot};
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::settings::EncoderTable;
 use fivebar_plant::Mismatch;
+use fivebar_sim::link::InProcess;
+use fivebar_sim::simulation::{Record, Sample, Simulate};
 use std::fs;
 
 /// The benchtop arm, with lines put in its place of others.

@@ -4,9 +4,10 @@
 //! With a large offset A–B–T turns the other way than A–B–C. Code that confuses the two refuses
 //! the job or follows it on the wrong branch.
 
-use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::Scenario;
+use fivebar_files::robot::{BuiltIn, Robot};
+use fivebar_files::scenario::Scenario;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use fivebar_sim::simulation::Simulate;
 
 /// Along link 2 and to its left [m]; each component is tried with both signs.
 const OFFSETS: [[f64; 2]; 3] = [[0.16, 0.1], [0.1, 0.16], [0.2, 0.05]];

@@ -1,12 +1,13 @@
 //! The strokes that the tool's output draws against the strokes that a job asks for.
 
-use fivebar::input::job::{Action, Job};
-use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::input::scenario::Scenario;
-use fivebar::run::link::{InProcess, Target, TargetError};
+use fivebar_files::job::{Action, Job};
+use fivebar_files::robot::{BuiltIn, Robot};
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Settings, Status};
+use fivebar_sim::link::{InProcess, Target, TargetError};
+use fivebar_sim::simulation::Simulate;
 use nalgebra::Vector2;
 use std::path::Path;
 
@@ -279,7 +280,7 @@ fn jobs_of(folder: &Path) -> Vec<String> {
 
 #[test]
 fn files_of_common_programs_are_drawn_as_asked() {
-    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/../sim-harness/tests/corpus");
+    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/../host/files/tests/corpus");
     let jobs = jobs_of(Path::new(corpus));
     assert!(jobs.len() >= 14, "{jobs:?}");
     std::thread::scope(|scope| {

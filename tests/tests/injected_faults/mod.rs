@@ -3,12 +3,12 @@
 //! must lead to, and within how many ticks.
 
 use crate::bench::{Bench, Stated, stated};
-use fivebar::run::link::FaultRates;
 use fivebar_firmware::Request;
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::protocol::{CommandError, HostCommand};
 use fivebar_firmware::safety::{Response, State};
 use fivebar_plant::FaultKind;
+use fivebar_sim::link::FaultRates;
 use std::io::{Read, Write};
 
 /// Makes tests of the functions below, each with the line that `$line` starts.

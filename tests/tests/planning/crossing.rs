@@ -1,10 +1,10 @@
 //! Crossings of a type 2 singularity against the reference's two.
 
-use fivebar::input::robot::Robot;
-use fivebar::study::crossing::plan;
 use fivebar_design::crossing::{CrossingCondition, CrossingPlan};
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+use fivebar_report::study::crossing::plan;
 use nalgebra::Vector2;
 use serde_json::Value;
 
@@ -24,7 +24,7 @@ pub(crate) fn pair(value: &Value) -> [f64; 2] {
 
 /// The robot file of a case; the benchtop arm's drives have the case's friction and rotors.
 pub(crate) fn robot(case: &Value, extra: &str) -> Robot {
-    let built_in = fivebar::input::robot::BuiltIn::find("benchtop")
+    let built_in = fivebar_files::robot::BuiltIn::find("benchtop")
         .unwrap()
         .text;
     let actuators = built_in.split("[[actuator]]").skip(1).take(2);

@@ -1,13 +1,14 @@
 //! A crossing by the controller, tick by tick, on a simulated arm that a test can hinder.
 
 use crate::crossing_controller::moves;
-use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Scenario;
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Controller, Move, Planner, Request};
 use fivebar_kinematics::five_bar::Side;
 use fivebar_plant::{Mismatch, Plant};
+use fivebar_sim::simulation::Simulate;
 use nalgebra::Vector2;
 use serde_json::Value;
 use std::f64::consts::TAU;

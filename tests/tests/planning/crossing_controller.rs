@@ -2,16 +2,16 @@
 
 use crate::crossing::{case, number, pair, robot};
 use crate::crossing_arm::cross;
-use fivebar::input::robot::Robot;
-use fivebar::input::scenario::{Scenario, crossing_move};
-use fivebar::run::link::{InProcess, Target};
-use fivebar::run::simulation::{Record, Sample, Simulation};
-use fivebar::study::crossing::task;
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::{Scenario, crossing_move};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{CrossingMove, Move, MoveKind, Planner, Request, Settings};
 use fivebar_kinematics::five_bar::Side;
 use fivebar_plant::Mismatch;
+use fivebar_report::study::crossing::task;
+use fivebar_sim::link::{InProcess, Target};
+use fivebar_sim::simulation::{Record, Sample, Simulate, Simulation};
 use nalgebra::Vector2;
 use serde_json::Value;
 
@@ -204,9 +204,9 @@ fn a_stuck_arm_loses_its_torque_in_the_stated_time_and_its_angles() {
 /// A crossing in a job goes there, and back to the first assembly mode.
 #[test]
 fn a_job_crosses_and_comes_back() {
-    let robot = Robot::load("sim-harness/robots/short_couplers.toml");
+    let robot = Robot::load("host/files/robots/short_couplers.toml");
     let robot = robot.or_else(|_| Robot::load("../sim-harness/robots/short_couplers.toml"));
-    let job = include_str!("../../../sim-harness/jobs/crossing.gcode");
+    let job = include_str!("../../../host/files/jobs/crossing.gcode");
     let mut scenario = Scenario::new("crossing", robot.unwrap(), "crossing.gcode", job.into());
     scenario.origin = Some([0.0; 2]);
     for share in [None, Some(0.7)] {

@@ -1,11 +1,11 @@
 //! Crossings in closed loop on the simulated arm: it arrives, or its torque ends.
 
 use crate::crossing::{case, number, pair, robot};
-use fivebar::input::robot::Robot;
-use fivebar::run::crossing::{CrossingConditions, CrossingRun, follow};
-use fivebar::study::crossing::task;
 use fivebar_design::crossing::CrossingControl;
+use fivebar_files::robot::Robot;
 use fivebar_plant::Mismatch;
+use fivebar_report::study::crossing::task;
+use fivebar_sim::crossing::{CrossingConditions, CrossingRun, follow};
 use oorandom::Rand64;
 use serde_json::Value;
 

@@ -2,7 +2,7 @@
 
 use crate::crossing::{case, pair};
 use crate::crossing_controller::allowed;
-use fivebar::study::crossing::{check_by_controller, task};
+use fivebar_report::study::crossing::{check_by_controller, task};
 
 /// The refusal of a line [m] of the arm of a case in `time` [s]; none: the controller accepts it.
 fn refusal(name: &str, ends: [[f64; 2]; 2], time: f64) -> Option<String> {

@@ -1,11 +1,12 @@
 //! Whole jobs by time-optimal motion: their limits, and the demonstration on the simulated arm.
 
-use fivebar::input::robot::Robot;
-use fivebar::input::scenario::Scenario;
-use fivebar::run::time_optimal::JobPlanner;
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::{Move, MoveKind, Planner};
 use fivebar_plant::Mismatch;
+use fivebar_sim::simulation::Simulate;
+use fivebar_sim::time_optimal::JobPlanner;
 
 fn demonstration(share: f64) -> Scenario {
     let mut scenario = Scenario::demonstration(Robot::load("benchtop").unwrap());

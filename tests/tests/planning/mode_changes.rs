@@ -1,9 +1,10 @@
 //! Changes of the working mode, each done or refused with the reason that holds.
 
-use fivebar::input::robot::Robot;
-use fivebar::input::scenario::{ModeChangeError, Scenario, change_of_mode};
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::{ModeChangeError, Scenario, change_of_mode};
 use fivebar_firmware::Planner;
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode, Workspace, WorkspaceViolation};
+use fivebar_sim::simulation::Simulate;
 use nalgebra::Vector2;
 
 const SIDES: [Side; 2] = [Side::Left, Side::Right];

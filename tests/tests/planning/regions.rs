@@ -1,16 +1,16 @@
 //! The regions by mode and the crossings between them, compared with forward kinematics and with
 //! torques of the full dynamics.
 
-use fivebar::input::robot::Robot;
-use fivebar::study::regions::{crossing_direction, regions};
 use fivebar_design::crossing::CrossingCondition;
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::five_bar::Side;
+use fivebar_report::study::regions::{crossing_direction, regions};
 use nalgebra::Vector2;
 
 fn robot() -> Robot {
     let file = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../sim-harness/robots/short_couplers.toml"
+        "/../host/files/robots/short_couplers.toml"
     );
     Robot::load(file).unwrap()
 }

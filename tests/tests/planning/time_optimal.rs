@@ -1,8 +1,8 @@
 //! Time-optimal runs along six paths: times, speeds and torques.
 
-use fivebar::input::path_case::PathCase;
-use fivebar::input::robot::Robot;
-use fivebar::study::plan::PlanStudy;
+use fivebar_files::path_case::PathCase;
+use fivebar_files::robot::Robot;
+use fivebar_report::study::plan::PlanStudy;
 use serde_json::{Value, json};
 
 fn cases() -> Vec<Value> {

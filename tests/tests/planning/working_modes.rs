@@ -1,7 +1,7 @@
 //! Changes of the working mode through a stretched leg: states and torques along a quintic of the
 //! driven angles.
 
-use fivebar::input::robot::Robot;
+use fivebar_files::robot::Robot;
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::Vector2;
 use serde_json::Value;

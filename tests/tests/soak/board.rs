@@ -3,10 +3,10 @@
 use crate::jobs::{RandomJob, robots};
 use crate::number;
 use crate::replay::{Recorded, replay};
-use fivebar::run::link::{Lockstep, Target, TargetError};
-use fivebar::run::simulation::RunError;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Status};
+use fivebar_sim::link::{Lockstep, Target, TargetError};
+use fivebar_sim::simulation::RunError;
 use std::time::Instant;
 
 /// The reason with which a run ends when all ticks have run.

@@ -1,8 +1,8 @@
 //! Random jobs for any arm: a scenario with a mismatch, faults in some of the runs, and moves that
 //! the arm can make.
 
-use fivebar::input::robot::{BUILT_IN, Robot};
-use fivebar::input::scenario::Scenario;
+use fivebar_files::robot::{BUILT_IN, Robot};
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{Move, MoveKind, Planner};
 use fivebar_plant::{FaultKind, Mismatch, PlantFault};

@@ -1,11 +1,11 @@
 //! A job over bad links: it is completed, or the arm is brought to rest with a reason.
 
 use crate::slow_line::SlowLine;
-use fivebar::input::robot::{BuiltIn, Robot};
-use fivebar::run::drive::{Drive, Homing};
-use fivebar::run::link::{Client, FaultInjector, FaultRates, Loopback};
+use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Status};
 use fivebar_plant::{Mismatch, Plant};
+use fivebar_sim::drive::{Drive, Homing};
+use fivebar_sim::link::{Client, FaultInjector, FaultRates, Loopback};
 use std::fmt::Write as _;
 use std::io::Read as _;
 use std::sync::{Arc, Mutex};

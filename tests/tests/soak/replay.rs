@@ -1,10 +1,10 @@
 //! The emulated board over recorded commands: its replies have the bits of the recorded ones.
 
-use fivebar::run::link::{Emulator, Loopback};
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, Frame, Reply, Sequence, StepResult, encode,
 };
 use fivebar_firmware::{ActuatorCommand, Controller, Settings};
+use fivebar_sim::link::{Emulator, Loopback};
 use std::io::{self, Read, Write};
 use std::process::Command;
 

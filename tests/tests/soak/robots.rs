@@ -3,8 +3,8 @@
 use crate::jobs::{RandomJob, robots};
 use crate::number;
 use crate::watched::Watched;
-use fivebar::run::link::TargetError;
-use fivebar::run::simulation::RunError;
+use fivebar_sim::link::TargetError;
+use fivebar_sim::simulation::{RunError, Simulate};
 use fivebar_stress::limits::Reached;
 
 /// `SOAK_SECONDS` of simulated time on each arm, from `SOAK_SEED` on.

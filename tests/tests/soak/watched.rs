@@ -1,9 +1,9 @@
 //! A controller whose every tick is checked against the rules and the limits.
 
-use fivebar::run::link::{Target, TargetError};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Settings, Status};
 use fivebar_kinematics::five_bar::Side;
+use fivebar_sim::link::{Target, TargetError};
 use fivebar_stress::limits::{Followed, Limits, Reached};
 use fivebar_stress::rules::Rules;
 

@@ -1,0 +1,45 @@
+//! What a job's text leaves open.
+
+use super::ToolWords;
+
+/// The unit of G4 P, on which programs do not agree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// Seconds, as Grbl, LinuxCNC, Fusion, FreeCAD and LightBurn write it.
+    Grbl,
+    /// Milliseconds, as RepRap firmwares such as Marlin have it.
+    RepRap,
+}
+
+/// How a job is read where its text leaves it open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JobOptions {
+    /// The dialect; none: RepRap if the job has one of its signs (M17, M18, M80 or above, an E word,
+    /// a checksum), or else Grbl.
+    pub dialect: Option<Dialect>,
+    /// The words that move or switch the tool; none: the first kind that the job has, in the order
+    /// M300, M280, E, S on a motion, Z to both sides of `pen_height`, M3 or M4, M106.
+    pub tool: Option<ToolWords>,
+    /// Z at or below which the tool is down [m]; none: 0, or the middle between the least and the
+    /// greatest Z if 0 does not separate them.
+    pub pen_height: Option<f64>,
+    /// S of M3 and M4 at full power, as $30 of Grbl.
+    pub full_power: f64,
+    /// Greatest distance of the lines of an SVG from its curves [m].
+    pub tolerance: f64,
+    /// Speed along the strokes of an SVG [m/s]; none: the arm's greatest speed.
+    pub speed: Option<f64>,
+}
+
+impl Default for JobOptions {
+    fn default() -> Self {
+        Self {
+            dialect: None,
+            tool: None,
+            pen_height: None,
+            full_power: 1000.0,
+            tolerance: 2.5e-5,
+            speed: None,
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! The bytes of a job's file as text.
+
+use crate::text_file;
+use std::io;
+use std::path::Path;
+
+/// The byte order mark.
+const MARK: char = '\u{FEFF}';
+
+/// Reads the text of a job's file, or of the standard input if the path is `-`. G-code is ASCII, but comments have any encoding: bytes that are
+/// not UTF-8 become U+FFFD, which is refused outside comments. A byte order mark is kept. UTF-16
+/// with a mark is read as such and then has two marks, by which [`super::Job::parse`] notes it.
+///
+/// # Errors
+/// The file cannot be read, or is larger than 64 MiB.
+pub fn read(path: &Path) -> io::Result<String> {
+    text_file::read_bytes(path, text_file::LARGEST_GCODE).map(|bytes| decoded(&bytes))
+}
+
+fn decoded(bytes: &[u8]) -> String {
+    let unit: fn([u8; 2]) -> u16 = match bytes {
+        [0xFF, 0xFE, ..] => u16::from_le_bytes,
+        [0xFE, 0xFF, ..] => u16::from_be_bytes,
+        _ => return String::from_utf8_lossy(bytes).into_owned(),
+    };
+    let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+    let text = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+    [MARK].into_iter().chain(text).collect()
+}
+
+/// The text without its byte order marks, and whether it was UTF-16.
+pub(super) fn without_mark(text: &str) -> (&str, bool) {
+    let Some(text) = text.strip_prefix(MARK) else {
+        return (text, false);
+    };
+    match text.strip_prefix(MARK) {
+        Some(text) => (text, true),
+        None => (text, false),
+    }
+}

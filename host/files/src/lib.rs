@@ -1,0 +1,16 @@
+//! The input files: robots, jobs, scenarios, linkages, mechanisms and measurements, read and checked
+//! once.
+
+pub mod accuracy_classes;
+pub mod job;
+pub mod linkage;
+pub mod measurements;
+pub mod mobility;
+pub mod path_case;
+pub mod robot;
+pub mod scenario;
+mod similar;
+pub mod source;
+pub mod text_file;
+
+pub use similar::did_you_mean;

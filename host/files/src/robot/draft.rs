@@ -1,0 +1,231 @@
+//! A new arm: the few values that define it, and the robot file made from them.
+
+use super::{Robot, template};
+use crate::source::{FileError, Key};
+use fivebar_firmware::settings::SettingsError;
+use std::fmt;
+
+/// Ratios of the arm in docs/use/robot-file.md: crank to base, coupler to crank, and the mass of
+/// cranks and couplers per length [kg/m].
+const CRANK_PER_BASE: f64 = 1.25;
+const COUPLER_PER_CRANK: f64 = 1.6;
+const CRANK_DENSITY: f64 = 0.7;
+const COUPLER_DENSITY: f64 = 0.3;
+/// Acceleration of gravity [m/s²].
+const GRAVITY: f64 = 9.81;
+
+/// A new arm. Pairs are of leg 1 and leg 4.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draft {
+    /// Its name.
+    pub name: String,
+    /// Whether its plane is vertical; else it is horizontal.
+    pub upright: bool,
+    /// Distance from A to E [m].
+    pub base: f64,
+    /// Lengths of links 1 and 4 [m].
+    pub cranks: [f64; 2],
+    /// Lengths of links 2 and 3 [m].
+    pub couplers: [f64; 2],
+    /// Masses of links 1 and 4 [kg].
+    pub crank_masses: [f64; 2],
+    /// Masses of links 2 and 3 [kg].
+    pub coupler_masses: [f64; 2],
+    /// Point mass at C [kg].
+    pub payload: f64,
+    /// The motor of both joints; none: ideal torque sources.
+    pub motor: Option<Motor>,
+    /// Bus voltage [V].
+    pub voltage: f64,
+}
+
+/// A motor with its gear and encoder; the fields are the keys of `[[actuator]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motor {
+    /// Motor turns per joint turn.
+    pub gear_ratio: f64,
+    /// Rotor inertia at the motor shaft [kg·m²].
+    pub rotor_inertia: f64,
+    /// Torque constant [N·m/A].
+    pub torque_constant: f64,
+    /// Winding resistance [Ω].
+    pub resistance: f64,
+    /// Winding inductance [H].
+    pub inductance: f64,
+    /// Encoder counts per motor turn, after quadrature.
+    pub encoder_counts: u32,
+    /// Peak current [A].
+    pub peak_current: f64,
+    /// Continuous current [A].
+    pub continuous_current: f64,
+    /// Time constant of the motor's heating [s].
+    pub thermal_time_constant: f64,
+}
+
+impl Motor {
+    /// A 24 V, 20 W coreless motor with a belt, the benchtop arm's.
+    pub const TYPICAL: Self = Self {
+        gear_ratio: 8.0,
+        rotor_inertia: 1.0e-6,
+        torque_constant: 0.0234,
+        resistance: 2.3,
+        inductance: 0.24e-3,
+        encoder_counts: 16384,
+        peak_current: 4.0,
+        continuous_current: 1.3,
+        thermal_time_constant: 12.0,
+    };
+}
+
+/// Why the arm of a draft cannot be simulated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DraftError(String);
+
+impl fmt::Display for DraftError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Draft {
+    /// An arm with the size and the motors of the benchtop arm.
+    pub fn new(name: &str) -> Self {
+        let mut draft = Self {
+            name: name.into(),
+            upright: false,
+            base: 0.0,
+            cranks: [0.0; 2],
+            couplers: [0.0; 2],
+            crank_masses: [0.0; 2],
+            coupler_masses: [0.0; 2],
+            payload: 0.03,
+            motor: Some(Motor::TYPICAL),
+            voltage: 24.0,
+        };
+        draft.set_base(0.08);
+        draft
+    }
+
+    /// Sets the base [m], and the links from it.
+    pub fn set_base(&mut self, base: f64) {
+        self.base = base;
+        self.set_cranks([tidy(CRANK_PER_BASE * base); 2]);
+    }
+
+    /// Sets links 1 and 4 [m], and from them their masses and the couplers, which become long
+    /// enough to meet across the base.
+    pub fn set_cranks(&mut self, cranks: [f64; 2]) {
+        self.cranks = cranks;
+        self.crank_masses = cranks.map(|length| tidy(CRANK_DENSITY * length));
+        self.set_couplers(cranks.map(|length| tidy((COUPLER_PER_CRANK * length).max(self.base))));
+    }
+
+    /// Sets links 2 and 3 [m], and their masses from them.
+    pub fn set_couplers(&mut self, couplers: [f64; 2]) {
+        self.couplers = couplers;
+        self.coupler_masses = couplers.map(|length| tidy(COUPLER_DENSITY * length));
+    }
+
+    /// The robot file.
+    pub fn text(&self) -> String {
+        let header = format!(
+            "# {}: made by `fivebar new`. Keys that are commented out have these default values.\n\
+             # com and inertia are those of slender rods: replace them by those of your links.\n\n",
+            self.name.escape_debug()
+        );
+        header + &template::filled(&self.values())
+    }
+
+    /// Checks the robot file and the controller's settings that follow from it.
+    ///
+    /// # Errors
+    /// The first value that is not valid.
+    pub fn check(&self) -> Result<Robot, DraftError> {
+        let robot = Robot::parse(&self.name, &self.text())
+            .map_err(|FileError { reason, .. }| DraftError(reason))?;
+        let settings = robot
+            .settings()
+            .map_err(|error| DraftError(error.to_string()))?;
+        settings.check().map_err(|error| match error {
+            SettingsError::NoPose => DraftError(
+                "with both elbows outwards, the arm has no pose outside the singularity margin: \
+                 make the couplers longer"
+                    .into(),
+            ),
+            other => DraftError(other.to_string()),
+        })?;
+        Ok(robot)
+    }
+
+    /// Torque [N·m] that holds an upright arm in any pose: all its mass at the end of a
+    /// straight leg.
+    fn brake_torque(&self) -> f64 {
+        if !self.upright {
+            return 0.0;
+        }
+        let mass: f64 = self.payload
+            + [self.crank_masses, self.coupler_masses]
+                .concat()
+                .iter()
+                .sum::<f64>();
+        let reach = [0, 1].map(|leg| self.cranks[leg] + self.couplers[leg]);
+        tidy(GRAVITY * mass * reach[0].max(reach[1]))
+    }
+
+    fn values(&self) -> Vec<(Key, String)> {
+        let gravity = if self.upright { -GRAVITY } else { 0.0 };
+        let mut values = vec![
+            (
+                Key::Top("name"),
+                toml::Value::from(self.name.as_str()).to_string(),
+            ),
+            (Key::Top("gravity"), format!("[0.0, {gravity:?}]")),
+            (Key::Top("base"), format!("{:?}", self.base)),
+            (Key::Top("payload"), format!("{:?}", self.payload)),
+            (Key::In("supply", "voltage"), format!("{:?}", self.voltage)),
+        ];
+        let ([l1, l4], [l2, l3]) = (self.cranks, self.couplers);
+        let ([m1, m4], [m2, m3]) = (self.crank_masses, self.coupler_masses);
+        for (index, (length, mass)) in [(l1, m1), (l2, m2), (l3, m3), (l4, m4)]
+            .into_iter()
+            .enumerate()
+        {
+            // The inertia of a slender rod about its middle is m l²/12.
+            for (name, value) in [
+                ("length", format!("{length:?}")),
+                ("mass", format!("{mass:?}")),
+                ("com", format!("[{:?}, 0.0]", tidy(0.5 * length))),
+                (
+                    "inertia",
+                    format!("{:?}", tidy(mass * length * length / 12.0)),
+                ),
+            ] {
+                values.push((Key::Of("link", index, name), value));
+            }
+        }
+        for index in 0..2 {
+            let Some(motor) = &self.motor else { break };
+            for (name, value) in [
+                ("gear_ratio", motor.gear_ratio),
+                ("rotor_inertia", motor.rotor_inertia),
+                ("torque_constant", motor.torque_constant),
+                ("resistance", motor.resistance),
+                ("inductance", motor.inductance),
+                ("brake_torque", self.brake_torque()),
+                ("peak_current", motor.peak_current),
+                ("continuous_current", motor.continuous_current),
+                ("thermal_time_constant", motor.thermal_time_constant),
+            ] {
+                values.push((Key::Of("actuator", index, name), format!("{value:?}")));
+            }
+            let counts = motor.encoder_counts.to_string();
+            values.push((Key::Of("actuator", index, "encoder_counts"), counts));
+        }
+        values
+    }
+}
+
+/// A number rounded to four significant digits.
+fn tidy(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,154 @@
+//! `method` of `[homing]`: where the joints' angles come from, and what each method needs.
+
+use super::homing::HomeSearch;
+use super::{Actuator, Robot};
+use crate::source::{FileError, Key, Source};
+use fivebar_firmware::settings::{HomeReference, HomingMethod};
+use fivebar_plant::EncoderSide;
+use serde::Deserialize;
+use std::f64::consts::TAU;
+
+/// Where the joints' angles come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HomeMethod {
+    /// A search for home switches.
+    #[default]
+    Switch,
+    /// A search for home switches, and for the encoders' index pulses from there.
+    Index,
+    /// A search for hard stops, by the motors' currents.
+    HardStop,
+    /// Encoders that know their angle.
+    Absolute,
+    /// The arm is put at its home angles by hand.
+    Given,
+}
+
+/// Time after which a stop is believed [s].
+const STOP_TIME: f64 = 0.01;
+
+/// What the controller knows of the method.
+pub(super) fn reference(search: &HomeSearch, tick_rate: f64) -> HomeReference {
+    let method = match search.method {
+        HomeMethod::Switch => HomingMethod::Switch,
+        HomeMethod::Index => HomingMethod::Index,
+        HomeMethod::HardStop => HomingMethod::HardStop,
+        HomeMethod::Absolute => HomingMethod::Absolute,
+        HomeMethod::Given => HomingMethod::Given,
+    };
+    let samples = match search.method {
+        // `as` saturates.
+        HomeMethod::HardStop => ((STOP_TIME * tick_rate) as u8).max(1),
+        HomeMethod::Switch | HomeMethod::Index | HomeMethod::Absolute | HomeMethod::Given => {
+            HomeReference::SWITCHES.samples
+        }
+    };
+    HomeReference {
+        method,
+        samples: search.samples.unwrap_or(samples),
+    }
+}
+
+/// Refuses a method that does not fit the arm, and keys that it does not use.
+pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    let search = &robot.homing;
+    let key = |name| Key::In("homing", name);
+    if search.samples == Some(0) {
+        return Err(source.refuse(key("samples"), "must be 1 to 255, not 0"));
+    }
+    if search.switch.is_some() && search.method != HomeMethod::Index {
+        let reason = "is of the method \"index\": with any other, switches close at home";
+        return Err(source.refuse(key("switch"), reason));
+    }
+    match search.method {
+        HomeMethod::Switch => Ok(()),
+        HomeMethod::Index => super::home_index::check(source, robot),
+        HomeMethod::HardStop => hard_stop(source, robot),
+        HomeMethod::Absolute => {
+            nothing_searched(source)?;
+            absolute(source, robot)
+        }
+        HomeMethod::Given => nothing_searched(source),
+    }
+}
+
+/// Refuses the keys of a search.
+fn nothing_searched(source: &Source<'_>) -> Result<(), FileError> {
+    let search = ["samples", "forward", "speed", "back_off", "current"];
+    let given = search.map(|name| Key::In("homing", name));
+    match given.into_iter().find(|key| source.holds(*key)) {
+        Some(key) => Err(source.refuse(key, "is of a search, and this method moves nothing")),
+        None => Ok(()),
+    }
+}
+
+/// A stop is felt at no more than the continuous current, and lies just behind the range of the angles.
+fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    let method = Key::In("homing", "method");
+    let Some(actuators) = &robot.actuators else {
+        return Err(source.refuse(method, "needs both [[actuator]]: it feels motor currents"));
+    };
+    let least = |values: [f64; 2]| values[0].min(values[1]);
+    let continuous = least([0, 1].map(|j| robot.limited(j, actuators[j]).continuous_current));
+    let current = robot.homing.current.unwrap_or(f64::INFINITY);
+    if current > continuous {
+        let reason = format!(
+            "must be given for hard stops, {continuous:?} A at most, the least continuous current"
+        );
+        return Err(source.refuse(Key::In("homing", "current"), reason));
+    }
+    let samples = reference(&robot.homing, robot.control.tick_rate).samples;
+    let felt_in = f64::from(samples) / robot.control.tick_rate;
+    let fastest = 0.5 * robot.protection.following_error / felt_in;
+    if robot.homing_speed() > fastest {
+        let reason = format!(
+            "must be at most {fastest:.3} rad/s for hard stops: half of following_error within samples"
+        );
+        return Err(source.refuse(Key::In("homing", "speed"), reason));
+    }
+    for (joint, number) in [1, 4].into_iter().enumerate() {
+        let [low, high] = robot.limits.angle[joint];
+        let home = robot.home[joint];
+        let (end, room) = if robot.homes_forward(joint) {
+            (high, high - home)
+        } else {
+            (low, home - low)
+        };
+        let back_off = robot.homing.back_off;
+        if room > back_off {
+            let reason = format!(
+                "of joint {number} must end before its hard stop, which lies {back_off:?} rad, the \
+                 back_off, behind home: not at {end:?} rad"
+            );
+            return Err(source.refuse(Key::In("limits", "angle"), reason));
+        }
+    }
+    Ok(())
+}
+
+/// An absolute encoder shows one angle only if it turns with its joint, and that by one turn at most.
+fn absolute(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+    for joint in [0, 1] {
+        let Some(actuators) = &robot.actuators else {
+            continue;
+        };
+        let Actuator {
+            gear_ratio,
+            encoder_side,
+            ..
+        } = actuators[joint];
+        if encoder_side == EncoderSide::Motor && gear_ratio.abs() != 1.0 {
+            let key = Key::Of("actuator", joint, "encoder_side");
+            let reason = "must be \"joint\" for absolute encoders: a motor has the same counts in each \
+                          of its turns";
+            return Err(source.refuse(key, reason));
+        }
+        let [low, high] = robot.limits.angle[joint];
+        if high - low > TAU {
+            let reason = "must be a turn at most for absolute encoders, for each joint";
+            return Err(source.refuse(Key::In("limits", "angle"), reason));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,184 @@
+//! Motors, gears, brakes and encoders, and the monitors that protect them.
+
+use super::Plausible;
+use crate::robot::{Actuator, Robot};
+use crate::source::Key;
+use fivebar_firmware::settings::AxisField;
+use fivebar_plant::Harmonic;
+use std::f64::consts::TAU;
+
+/// A winding's time constant L/R [s]; real ones have 20 µs to 20 ms.
+const WINDING: [f64; 2] = [1e-5, 0.05];
+
+/// The mechanical time constant J R/k² [s]; real ones have 0.5 ms to 100 ms.
+const MECHANICAL: [f64; 2] = [5e-5, 1.0];
+
+/// The peak current as a multiple of the stall current V/R. At twice the stall current the motor brakes
+/// from its no-load speed.
+const PEAK: [f64; 2] = [1.0 / 500.0, 2.0];
+
+/// The continuous current as a share of the peak current.
+const CONTINUOUS: [f64; 2] = [0.02, 1.0];
+
+/// Codes of the current sensor for the peak current, at least.
+const CODES: f64 = 40.0;
+
+/// Time constant of a motor's heating [s]: the controller's bounds.
+const HEATING: [f64; 2] = AxisField::ThermalTimeConstant.row().range;
+
+/// Holding torque of a brake over the motor's peak torque at the joint.
+const BRAKE: [f64; 2] = [0.01, 100.0];
+
+/// Time in which a brake engages or releases [s].
+const BRAKE_TIMES: [f64; 2] = [1e-3, 1.0];
+
+/// Greatest angle by which the peak torque twists gear or belt [rad].
+const TWIST: f64 = 0.2;
+
+/// Damping of gear or belt over the critical damping of the rotor on it. Belts have 0.01.
+const DAMPING: f64 = 4.0;
+
+/// Age of an encoder's angle [s].
+const LATENCY: f64 = 0.01;
+
+/// Counts per turn of the joint, and counts in the greatest following error, at least.
+const COUNTS: f64 = 500.0;
+const COUNTS_OF_ERROR: f64 = 4.0;
+
+pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
+    let actuators = robot.actuators.iter().flatten().enumerate();
+    let of_joint = |(joint, actuator): (usize, &Actuator)| joint_rules(robot, joint, actuator);
+    actuators.flat_map(of_joint).collect()
+}
+
+fn joint_rules(robot: &Robot, joint: usize, motor: &Actuator) -> Vec<Plausible> {
+    let key = |name| Key::Of("actuator", joint, name);
+    let voltage = robot.supply.voltage;
+    let peak_torque = motor.peak_torque();
+    let stall = voltage / motor.resistance;
+    let braking = motor.torque_constant.powi(2) / motor.resistance;
+    let mut rules = electrics(robot, joint, motor, stall);
+    rules.extend([
+        Plausible::new(
+            key("rotor_inertia"),
+            (motor.rotor_inertia, "kg·m²"),
+            MECHANICAL.map(|seconds| seconds * braking),
+            "the mechanical time constant, times `resistance` over the square of `torque_constant`, is \
+             5e-5 to 1 s",
+        )
+        .or_zero(),
+        Plausible::new(
+            key("viscous_friction"),
+            (motor.viscous_friction, "N·m·s/rad"),
+            [0.0, peak_torque / robot.limits.max_speed[joint]],
+            "at `max_speed` of [limits] it takes the motor's peak torque",
+        ),
+        Plausible::new(
+            key("coulomb_friction"),
+            (motor.coulomb_friction, "N·m"),
+            [0.0, peak_torque],
+            "with more than the motor's peak torque the joint cannot turn",
+        ),
+        Plausible::new(
+            key("brake_torque"),
+            (motor.brake_torque, "N·m"),
+            BRAKE.map(|share| share * peak_torque),
+            "1/100 to 100 times the motor's peak torque at the joint",
+        )
+        .or_zero(),
+    ]);
+    for (name, time) in [
+        ("brake_engage_time", motor.brake_engage_time),
+        ("brake_release_time", motor.brake_release_time),
+    ] {
+        if let Some(time) = time {
+            let time = (time, "s");
+            let reason = "no brake moves in less, and power must hold the arm until it does";
+            rules.push(Plausible::new(key(name), time, BRAKE_TIMES, reason).or_zero());
+        }
+    }
+    if let Some(stiffness) = motor.stiffness {
+        rules.push(Plausible::new(
+            key("stiffness"),
+            (stiffness, "N·m/rad"),
+            [peak_torque / TWIST, f64::MAX],
+            "the motor's peak torque would twist gear or belt by more than 0.2 rad",
+        ));
+        let critical = 2.0 * (stiffness * motor.motor().reflected_inertia()).sqrt();
+        rules.push(Plausible::new(
+            key("drive_damping"),
+            (motor.drive_damping, "N·m·s/rad"),
+            [0.0, DAMPING * critical],
+            "4 times the critical damping of the rotor on its `stiffness`",
+        ));
+    }
+    rules.extend(encoder(joint, motor));
+    let per_turn = motor.gear_ratio.abs();
+    let counts = COUNTS.max(COUNTS_OF_ERROR * TAU / robot.protection.following_error);
+    rules.push(Plausible::new(
+        key("encoder_counts"),
+        (f64::from(motor.encoder_counts), ""),
+        [counts / per_turn, f64::MAX],
+        "500 per turn of the joint, and 4 in the `following_error` of [protection]",
+    ));
+    rules
+}
+
+/// What is known of the encoder's errors.
+fn encoder(joint: usize, motor: &Actuator) -> impl Iterator<Item = Plausible> {
+    let latency = Plausible::new(
+        Key::Of("actuator", joint, "encoder_latency"),
+        (motor.encoder_latency, "s"),
+        [0.0, LATENCY],
+        "encoders are read within less",
+    );
+    let phase = move |term: &Harmonic| {
+        Plausible::new(
+            Key::Of("actuator", joint, "encoder_error"),
+            (term.phase, "rad"),
+            [0.0, TAU],
+            "its `phase` is an angle within a turn",
+        )
+    };
+    let phases: Vec<_> = motor.encoder_error.terms().iter().map(phase).collect();
+    std::iter::once(latency).chain(phases)
+}
+
+fn electrics(robot: &Robot, joint: usize, motor: &Actuator, stall: f64) -> Vec<Plausible> {
+    let key = |name| Key::Of("actuator", joint, name);
+    let mut rules = vec![
+        Plausible::new(
+            key("inductance"),
+            (motor.inductance, "H"),
+            WINDING.map(|seconds| seconds * motor.resistance),
+            "over `resistance` it is the winding's time constant, 1e-5 to 0.05 s",
+        ),
+        Plausible::new(
+            key("peak_current"),
+            (motor.peak_current, "A"),
+            PEAK.map(|share| share * stall),
+            "1/500 to 2 times the stall current, `voltage` of [supply] over `resistance`",
+        ),
+        Plausible::new(
+            key("continuous_current"),
+            (motor.continuous_current, "A"),
+            CONTINUOUS.map(|share| share * motor.peak_current),
+            "1/50 of `peak_current`, to all of it",
+        ),
+        Plausible::new(
+            key("thermal_time_constant"),
+            (motor.thermal_time_constant, "s"),
+            HEATING,
+            "from the winding of a tiny motor to a large motor with its housing",
+        ),
+    ];
+    if let Some(per_code) = motor.current_per_code {
+        rules.push(Plausible::new(
+            key("current_per_code"),
+            (per_code, "A"),
+            [0.0, robot.limited(joint, *motor).peak_current / CODES],
+            "the peak current needs 40 codes",
+        ));
+    }
+    rules
+}

@@ -1,0 +1,129 @@
+//! Checks docs/use/robot-file.md: its examples are valid, and its defaults are those of the program.
+
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
+use fivebar_firmware::settings::{Row, rows};
+
+const DOCUMENT: &str = include_str!("../../../../docs/use/robot-file.md");
+
+/// The TOML examples, in order: robot, drives, other sections, scenario.
+fn examples() -> [&'static str; 4] {
+    let blocks = DOCUMENT.split("```toml\n").skip(1);
+    let examples: Vec<_> = blocks
+        .map(|block| block.split("```").next().unwrap())
+        .collect();
+    examples.try_into().unwrap()
+}
+
+#[test]
+fn the_document_shows_the_template_of_a_new_robot() {
+    let [robot, drives, sections, _] = examples();
+    let shown = [robot, drives, sections].join("\n");
+    assert_eq!(shown, include_str!("../../src/robot/template.toml"));
+}
+
+#[test]
+fn the_robot_of_the_document_is_read_with_every_section() {
+    let [robot, drives, sections, _] = examples();
+    let bare = Robot::parse("bare", robot).unwrap();
+    let whole = Robot::parse("whole", &format!("{robot}{drives}{sections}")).unwrap();
+    whole.settings().unwrap().check().unwrap();
+    bare.settings().unwrap().check().unwrap();
+    assert!(bare.actuators.is_none() && whole.actuators.is_some());
+    // The document's defaults are the values of a file without these keys.
+    assert_eq!(bare.tool, whole.tool);
+    assert_eq!(bare.motion, whole.motion);
+    assert_eq!(bare.control.tick_rate, whole.control.tick_rate);
+    assert_eq!(bare.protection, whole.protection);
+    assert_eq!(bare.contact, whole.contact);
+    let search = |robot: &Robot| {
+        let settings = robot.settings().unwrap();
+        let forward = settings.axes.map(|axis| axis.home_forward);
+        (settings.homing.speed, settings.homing.back_off, forward)
+    };
+    assert_eq!(search(&bare), search(&whole));
+    assert_eq!(bare.supply.voltage, whole.supply.voltage);
+    assert_eq!(bare.limits.max_speed, whole.limits.max_speed);
+    assert_eq!(
+        bare.limits.singularity_margin,
+        whole.limits.singularity_margin
+    );
+    let range = |robot: &Robot| robot.settings().unwrap().protection.bus_voltage;
+    assert_eq!(range(&bare), range(&whole));
+    // The default resolution has 4096 codes.
+    let per_code = |robot: &Robot| (robot.voltage_per_code() * 1e5).round();
+    assert_eq!(per_code(&bare), per_code(&whole));
+}
+
+#[test]
+fn the_scenario_of_the_document_is_read_with_its_defaults() {
+    let [.., scenario] = examples();
+    let folder = tempfile::tempdir().unwrap();
+    let petal = include_str!("../../jobs/petal.gcode");
+    std::fs::write(folder.path().join("petal.gcode"), petal).unwrap();
+    let load = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        Scenario::load(path.to_str().unwrap()).unwrap()
+    };
+    let whole = load("whole.toml", scenario);
+    let bare = load("bare.toml", "job = 'petal.gcode'\n");
+    assert_eq!(bare.mismatch, whole.mismatch);
+    assert_eq!((bare.seed, bare.scale), (whole.seed, whole.scale));
+    assert_eq!(bare.computed_torque, whole.computed_torque);
+    assert_eq!(bare.robot, whole.robot);
+    assert_eq!((bare.faults.len(), whole.faults.len()), (0, 1));
+    assert_eq!(
+        (bare.name.as_str(), whole.name.as_str()),
+        ("bare", "worn supply")
+    );
+}
+
+/// The lines between which the table of the settings stands.
+const TABLE: [&str; 2] = [
+    "| key | unit | what it must be | default | meaning |\n|---|---|---|---|---|\n",
+    "\nWhere two keys",
+];
+
+/// The table of the settings, a line a row.
+fn table() -> String {
+    let line = |row: Row| {
+        let Row {
+            key,
+            unit,
+            must,
+            meaning,
+            ..
+        } = row;
+        let default = row.default.map_or_else(String::new, |default| {
+            let plain = default.to_string();
+            if plain.len() > 6 {
+                format!("{default:e}")
+            } else {
+                plain
+            }
+        });
+        let meaning = meaning.replace('|', "\\|");
+        format!("| `{key}` | {unit} | {must} | {default} | {meaning} |\n")
+    };
+    rows().filter(|row| !row.key.is_empty()).map(line).collect()
+}
+
+/// With `FIVEBAR_UPDATE` in the environment, the document is written anew instead.
+#[test]
+fn the_document_shows_the_table_of_the_settings() {
+    let [begin, end] = TABLE;
+    let start = DOCUMENT.find(begin).expect("the table") + begin.len();
+    let length = DOCUMENT[start..].find(end).expect("the end of the table");
+    let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
+    if std::env::var_os("FIVEBAR_UPDATE").is_some() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/use/robot-file.md");
+        std::fs::write(path, new).unwrap();
+    } else {
+        let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar --test files writes it anew";
+        assert!(
+            new == DOCUMENT,
+            "docs/use/robot-file.md is not up to date; {hint}"
+        );
+    }
+}

@@ -1,0 +1,17 @@
+//! Files that are read: robots, linkages, jobs.
+
+mod document;
+mod drive_keys;
+mod factors;
+mod gcode_codes;
+mod gcode_corpus;
+mod gcode_crossings;
+mod gcode_from_hosts;
+mod gcode_jobs;
+mod homing_keys;
+mod linkage_files;
+mod placed;
+mod robot_faults;
+mod robot_files;
+mod robot_values;
+mod svg_jobs;

@@ -1,0 +1,125 @@
+//! A robot file with several faults is answered with all of them, each with its line and key.
+
+use fivebar_files::robot::{BUILT_IN, Robot};
+
+/// The default arm with these lines in place of others, or in addition at the top of a section.
+fn changed(changes: &[(&str, &str)]) -> String {
+    let mut text = BUILT_IN[0].text.to_owned();
+    for (old, new) in changes {
+        assert!(text.contains(old), "{old}");
+        text = text.replacen(old, new, 1);
+    }
+    text
+}
+
+/// The refusals of a file, one a line.
+fn refusals(text: &str) -> Vec<String> {
+    let error = Robot::parse("arm.toml", text).expect_err("an invalid file is refused");
+    error.to_string().lines().map(str::to_owned).collect()
+}
+
+/// Asserts that each of these is refused, in its line, and nothing else is.
+#[track_caller]
+fn assert_refused(text: &str, expected: &[(&str, &str)]) {
+    let refusals = refusals(text);
+    for (assignment, sentence) in expected {
+        let line = text.lines().position(|line| line.starts_with(assignment));
+        let line = 1 + line.unwrap_or_else(|| panic!("no {assignment}"));
+        let wanted = format!("arm.toml, line {line}: {sentence}");
+        let found = refusals.iter().any(|refusal| refusal.starts_with(&wanted));
+        assert!(found, "{wanted} is not in {refusals:#?}");
+    }
+    assert_eq!(refusals.len(), expected.len(), "{refusals:#?}");
+}
+
+#[test]
+fn three_faults_that_the_controller_finds_get_three_answers() {
+    let text = changed(&[(
+        "resistance = 2.3",
+        "resistance = 2.3\nthermal_time_constant_ = 1",
+    )]);
+    // An unknown key ends the reading at once.
+    assert_eq!(refusals(&text).len(), 1);
+    let text = changed(&[])
+        + "\n[control]\ntick_rate = 99.0\ndamping = 0.1\nbandwidth = 200.0\n\
+                               integral_rate = 60.0\ncurrent_bandwidth = 3000.0\n";
+    assert_refused(
+        &text,
+        &[
+            (
+                "tick_rate = ",
+                "`tick_rate` of [control] must lie in 100 to 50000 Hz, not 99.0 Hz",
+            ),
+            (
+                "damping = ",
+                "`damping` of [control] must lie in 0.2 to 2, not 0.1",
+            ),
+            (
+                "integral_rate = ",
+                "`integral_rate` of [control] must lie between 0 and a quarter of `bandwidth`, \
+                 50 rad/s, not 60.0 rad/s",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn faults_of_all_kinds_are_answered_together() {
+    let text = changed(&[
+        ("payload = 0.03", "payload = -0.03"),
+        ("mass = 0.05", "mass = -1.0"),
+        ("resistance = 2.3", "resistance = nan"),
+    ]) + "\n[tool_output]\nkind = \"power\"\nfrequency = 1.0\n";
+    assert_refused(
+        &text,
+        &[
+            ("payload = ", "`payload` must be finite and not negative"),
+            ("mass = -1.0", "`mass` of [[link]] 2 must be a positive"),
+            ("resistance = nan", "`resistance` of [[actuator]] 1 must be"),
+            ("frequency = ", "`frequency` of [tool_output] must be 10.0"),
+        ],
+    );
+}
+
+#[test]
+fn values_that_are_not_plausible_and_those_of_the_controller_are_answered_together() {
+    let text = changed(&[
+        ("mass = 0.05", "mass = 50.0"),
+        ("inductance = 0.24e-3", "inductance = 0.24"),
+    ]) + "\n[control]\ndamping = 3.0\nbandwidth = 200.0\nintegral_rate = 20.0\n\
+          observer_bandwidth = 1500.0\ncurrent_bandwidth = 3000.0\n";
+    assert_refused(
+        &text,
+        &[
+            ("mass = 50.0", "`mass` of [[link]] 2 must be"),
+            (
+                "inductance = 0.24",
+                "`inductance` of [[actuator]] 1 must be",
+            ),
+            ("damping = ", "`damping` of [control] must lie in 0.2 to 2"),
+        ],
+    );
+}
+
+#[test]
+fn a_number_of_the_controller_is_read_and_refused_with_its_line() {
+    let with = |value: &str| changed(&[]) + "\n[advanced]\ndisarm_timeout = " + value + "\n";
+    let timeout = |text: &str| {
+        let robot = Robot::parse("arm.toml", text).unwrap();
+        robot.settings().unwrap().advanced.disarm_timeout
+    };
+    assert_eq!(timeout(&changed(&[])), 60.0);
+    assert_eq!(timeout(&with("2.5")), 2.5);
+    assert_refused(
+        &with("0.1"),
+        &[(
+            "disarm_timeout = ",
+            "`disarm_timeout` of [advanced] must lie in 1 to 86 400 s, not 0.1 s",
+        )],
+    );
+    let unknown = refusals(&with("2.0\ndisarm_time = 1.0"));
+    assert!(
+        unknown[0].contains("did you mean `disarm_timeout`?"),
+        "{unknown:?}"
+    );
+}

@@ -1,0 +1,248 @@
+//! SVG drawings: true size, transforms, curves within the tolerance, the order of strokes.
+
+use fivebar_files::job::{Action, Job, JobError, JobOptions, Placement, Step};
+
+const AS_WRITTEN: Placement = Placement {
+    origin: [0.0, 0.0],
+    scale: 1.0,
+    turn: 0.0,
+    home: [0.05, 0.2],
+};
+const TOLERANCE: f64 = 2e-5;
+
+fn read(text: &str) -> Result<Job, JobError> {
+    let options = JobOptions {
+        tolerance: TOLERANCE,
+        ..JobOptions::default()
+    };
+    Job::parse_with(text, &AS_WRITTEN, &options)
+}
+
+/// A page of 100 mm × 50 mm with a unit of 1 mm.
+fn page(content: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\" \
+         height=\"50mm\" viewBox=\"0 0 100 50\">{content}</svg>"
+    )
+}
+
+/// The strokes [mm].
+fn strokes(job: &Job) -> Vec<Vec<[f64; 2]>> {
+    let mut strokes: Vec<Vec<[f64; 2]>> = Vec::new();
+    for Step { tool, action, .. } in &job.steps {
+        let Action::Line { to, .. } = action else {
+            panic!("{action:?}");
+        };
+        let to = to.map(|metres| 1e3 * metres);
+        match (strokes.last_mut(), *tool > 0.0) {
+            (Some(stroke), true) => stroke.push(to),
+            _ => strokes.push(vec![to]),
+        }
+    }
+    strokes
+}
+
+fn of(content: &str) -> Vec<Vec<[f64; 2]>> {
+    strokes(&read(&page(content)).unwrap_or_else(|error| panic!("{error}")))
+}
+
+#[track_caller]
+fn assert_points(found: &[[f64; 2]], expected: &[[f64; 2]]) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (a, b) in found.iter().zip(expected) {
+        let far = (a[0] - b[0]).hypot(a[1] - b[1]);
+        assert!(far < 1e-4, "{a:?} mm, not {b:?} mm");
+    }
+}
+
+const LINE: &str = "fill=\"none\" stroke=\"black\"";
+
+#[test]
+fn a_drawing_has_its_true_size_with_y_up() {
+    let found = of(&format!("<path {LINE} d=\"M10 40 H30 V20\"/>"));
+    assert_points(&found[0], &[[10.0, 10.0], [30.0, 10.0], [30.0, 30.0]]);
+    // Without a unit, a unit is a pixel, of which an inch has 96.
+    let pixels = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"192\" height=\"96\">\
+                  <line stroke=\"red\" x1=\"0\" y1=\"96\" x2=\"192\" y2=\"0\"/></svg>";
+    let job = read(pixels).unwrap();
+    assert_points(&strokes(&job)[0], &[[0.0, 0.0], [50.8, 25.4]]);
+    assert!(job.is_drawing && job.steps[0].line == 1 && job.steps[1].line == 2);
+}
+
+#[test]
+fn transforms_of_groups_and_uses_are_applied() {
+    let content = format!(
+        "<defs><path id=\"p\" {LINE} d=\"M0 0 L5 0\"/></defs>\
+         <g transform=\"translate(20 30) rotate(90)\"><g transform=\"scale(2)\">\
+         <use href=\"#p\"/></g></g>"
+    );
+    assert_points(&of(&content)[0], &[[20.0, 10.0], [20.0, 20.0]]);
+}
+
+#[test]
+fn curves_are_within_the_tolerance_and_coarser_where_it_is_greater() {
+    let circle = format!("<circle {LINE} cx=\"50\" cy=\"25\" r=\"20\"/>");
+    let found = of(&circle);
+    let radius = |[x, y]: [f64; 2]| (x - 50.0).hypot(y - 25.0);
+    // The circle is made of Bézier curves, which differ from it by up to 2.7e-4 of the radius.
+    let bezier = 20.0 * 2.8e-4;
+    for pair in found[0].windows(2) {
+        let middle = [0, 1].map(|axis| 0.5 * (pair[0][axis] + pair[1][axis]));
+        for (point, allowed) in [(pair[0], bezier), (middle, bezier + 1e3 * TOLERANCE)] {
+            let error = (radius(point) - 20.0).abs();
+            assert!(error < allowed, "{error} mm at {point:?}");
+        }
+    }
+    let coarse = JobOptions {
+        tolerance: 100.0 * TOLERANCE,
+        ..JobOptions::default()
+    };
+    let coarse = strokes(&Job::parse_with(&page(&circle), &AS_WRITTEN, &coarse).unwrap());
+    let ratio = found[0].len() as f64 / coarse[0].len() as f64;
+    assert!((5.0..12.0).contains(&ratio), "{ratio}");
+    // A quadratic parabola, whose points are known.
+    let parabola = of(&format!("<path {LINE} d=\"M10 40 Q30 0 50 40\"/>"));
+    assert!(parabola[0].len() > 10);
+    for &[x, y] in &parabola[0] {
+        let t = (x - 10.0) / 40.0;
+        assert!((y - (10.0 + 80.0 * t * (1.0 - t))).abs() < 1e-4, "{x} {y}");
+    }
+}
+
+#[test]
+fn closed_shapes_end_at_their_start_and_each_subpath_is_a_stroke() {
+    let found = of("<rect x=\"10\" y=\"10\" width=\"20\" height=\"5\"/>");
+    let corners = [
+        [10.0, 40.0],
+        [30.0, 40.0],
+        [30.0, 35.0],
+        [10.0, 35.0],
+        [10.0, 40.0],
+    ];
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].len(), 5);
+    assert_eq!(found[0][0], found[0][4]);
+    for corner in corners {
+        let near = |point: &&[f64; 2]| (point[0] - corner[0]).hypot(point[1] - corner[1]) < 1e-4;
+        assert!(found[0].iter().any(|point| near(&point)), "{corner:?}");
+    }
+    let two = of(&format!("<path {LINE} d=\"M1 1 L9 1 M1 3 L9 3\"/>"));
+    assert_eq!(two.len(), 2);
+}
+
+#[test]
+fn strokes_are_ordered_and_turned_for_short_ways() {
+    // Three parallel lines: drawn as written, each way back crosses the page.
+    let found = of(&format!(
+        "<path {LINE} d=\"M10 50 L90 50\"/><path {LINE} d=\"M10 30 L90 30\"/>\
+         <path {LINE} d=\"M10 40 L90 40\"/>"
+    ));
+    assert_points(&found[0], &[[10.0, 0.0], [90.0, 0.0]]);
+    assert_points(&found[1], &[[90.0, 10.0], [10.0, 10.0]]);
+    assert_points(&found[2], &[[10.0, 20.0], [90.0, 20.0]]);
+}
+
+#[test]
+fn what_is_hidden_is_left_out_and_what_differs_is_noted() {
+    let hidden = format!(
+        "<path fill=\"none\" d=\"M1 1 L9 1\"/><path {LINE} display=\"none\" d=\"M1 1 L9 1\"/>\
+         <path {LINE} visibility=\"hidden\" d=\"M1 1 L9 1\"/>"
+    );
+    assert!(matches!(read(&page(&hidden)), Err(JobError::Svg(_))));
+    let noted = format!(
+        "{hidden}<path {LINE} stroke-dasharray=\"1 2\" d=\"M1 1 L9 1\"/>\
+         <text x=\"10\" y=\"20\" font-size=\"8\">I</text>\
+         <image href=\"secret.png\" width=\"9\" height=\"9\"/>"
+    );
+    let job = read(&page(&noted)).unwrap();
+    let notes: Vec<String> = job.warnings.iter().map(ToString::to_string).collect();
+    let notes = notes.join("; ");
+    for words in ["dashed", "DejaVu", "images"] {
+        assert!(notes.contains(words), "{notes}");
+    }
+    // The letter I is an outline of four lines and more.
+    assert!(strokes(&job).iter().any(|stroke| stroke.len() >= 5));
+}
+
+#[test]
+fn files_that_are_no_svg_are_refused() {
+    for text in [
+        "<",
+        "<html></html>",
+        "<svg",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\"/>",
+    ] {
+        assert!(matches!(read(text), Err(JobError::Svg(_))), "{text}");
+    }
+    let huge = format!("<path {LINE} d=\"M0 0 L2e6 0\"/>");
+    assert!(matches!(read(&page(&huge)), Err(JobError::Svg(_))));
+}
+
+#[test]
+fn deeply_nested_groups_do_not_exhaust_a_small_stack() {
+    let nested = |depth: usize| {
+        let (open, close) = ("<g opacity=\"0.5\">".repeat(depth), "</g>".repeat(depth));
+        page(&format!("{open}<path {LINE} d=\"M1 1 L9 1\"/>{close}"))
+    };
+    let thread = std::thread::Builder::new().stack_size(1 << 18);
+    let reader = thread.spawn(move || {
+        assert_eq!(strokes(&read(&nested(1000)).unwrap()).len(), 1);
+        assert!(matches!(read(&nested(100_000)), Err(JobError::Svg(_))));
+    });
+    reader.unwrap().join().unwrap();
+}
+
+/// A short file can be a large drawing, and the time for a text grows with the square of its length.
+#[test]
+fn a_drawing_that_would_take_minutes_is_refused_by_its_size() {
+    let repeated = |part: &str, count: usize| part.repeat(count);
+    let doubled: String = (1..20)
+        .map(|n| {
+            let inner = n - 1;
+            format!("<g id=\"a{n}\"><use href=\"#a{inner}\"/><use href=\"#a{inner}\"/></g>")
+        })
+        .collect();
+    let marked = format!(
+        "<marker id=\"m\">{}</marker><g marker-mid=\"url(#m)\"><path d=\"M0 0{}\"/></g>",
+        repeated("<path d=\"M0 0L1 1\"/>", 50),
+        repeated("L5 5L6 9", 1000)
+    );
+    let rules = format!(
+        "<style>{}</style>{}",
+        repeated(".c{fill:red}", 2000),
+        repeated("<path class=\"c\" d=\"M0 0L9 9\"/>", 2000)
+    );
+    for (content, words) in [
+        (
+            format!("<text>{}</text>", repeated("word ", 6_400)),
+            "32000 characters in a line of text, more than 2000: split it into lines, or convert it to paths",
+        ),
+        (
+            format!("<text>{}</text>", repeated("<tspan>a</tspan>", 1_000)),
+            "1000000 characters times pieces",
+        ),
+        (
+            repeated("<text>0123456789012345678901234</text>", 900),
+            "22500 characters of text, more than 20000",
+        ),
+        (repeated("<text>a</text>", 1_001), "1001 lines of text"),
+        (
+            format!("<defs><path id=\"a0\" d=\"M0 0L1 1\"/>{doubled}</defs><use href=\"#a19\"/>"),
+            "elements, with those drawn by reference, more than 50000: simplify it",
+        ),
+        (marked, "elements, with those drawn by reference"),
+        (rules, "rules of style sheets times elements"),
+        (
+            repeated("<circle r=\"1\"/>", 50_001),
+            "50002 elements, with those drawn by reference",
+        ),
+    ] {
+        let started = std::time::Instant::now();
+        let error = read(&page(&content)).unwrap_err().to_string();
+        assert!(error.contains(words), "`{words}` is missing in: {error}");
+        assert!(started.elapsed().as_secs() < 10, "{words}");
+    }
+    // Targets that refer to each other are no drawing, and no endless one.
+    let circle = "<g id=\"a\"><use href=\"#b\"/></g><g id=\"b\"><use href=\"#a\"/></g>";
+    assert!(read(&page(circle)).is_err());
+}

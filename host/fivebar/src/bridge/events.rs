@@ -1,0 +1,260 @@
+//! What reaches the machine from its sender: stops at once, lines in order.
+
+use super::connection::{Event, Outlet, Presence, Visitor};
+use super::machine::{Machine, Phase};
+use super::protocol::{Engine, Input, RealTime, ShareChange};
+use super::sender::Sender;
+use fivebar_files::job::Dialect;
+use fivebar_firmware::Request;
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::settings::ToolOutputSettings;
+use fivebar_sim::link::LinkError;
+use fivebar_sim::path_queue::Shares;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A sender that has been silent for this time loses control to another one, if the arm rests.
+/// Senders ask for reports every few seconds, also in a pause.
+const LONGEST_SILENCE: Duration = Duration::from_secs(10);
+/// A sender clears a fault this long after both the fault and its own connection, so that nothing
+/// that a program sends by itself clears one. Programs wait up to two seconds before their first
+/// line.
+pub(super) const CLEARING: Duration = Duration::from_secs(3);
+
+/// What a sender is told that comes while a page moves the arm.
+const PAGE_MOVES: &str = "[MSG:the live page moves the arm: connect when it rests]\nerror:9\n";
+/// What a sender is told that comes while another one is in control.
+const BUSY: &str = "[MSG:another sender is in control: disconnect it first]\nerror:9\n";
+/// What a sender is told whose place another one gets.
+const LOST: &str = "[MSG:another sender is in control now, because this one was silent]\n";
+
+impl Machine<'_> {
+    /// Does an emergency stop, if one was asked for: bridges off, and all that was sent before it
+    /// is dropped.
+    pub(super) fn stop_if_asked(&mut self) -> Result<(), LinkError> {
+        let Some(latches) = self.shared.take_stop() else {
+            return Ok(());
+        };
+        self.switch_off(latches)?;
+        while let Ok(event) = self.events.try_recv() {
+            match event {
+                Event::Input(_, Input::RealTime(RealTime::Reset | RealTime::Emergency)) => break,
+                Event::Input(..) => {}
+                other => self.take(other)?,
+            }
+        }
+        self.report_emergency();
+        Ok(())
+    }
+
+    /// Latches the emergency stop. Bridges that are off stay as they are unless it `latches` in any
+    /// case.
+    fn switch_off(&mut self, latches: bool) -> Result<(), LinkError> {
+        let had_fault = self.status.fault.is_some();
+        if latches || self.status.state != State::Stopped {
+            let _ = self.request(Request::EmergencyStop)?;
+        }
+        (self.status, self.room) = self.client.status()?;
+        self.fault = self.status.fault;
+        if !had_fault && self.fault == Some(Fault::EmergencyStop) {
+            // It is the sender's own stop, which it may clear at once.
+            self.clears_from = Instant::now();
+        }
+        self.drop_path();
+        self.path.set_shares(Shares::WHOLE);
+        self.phase = Phase::Ready;
+        Ok(())
+    }
+
+    /// Tells the sender of the emergency stop. What it has sent before is dropped.
+    fn report_emergency(&mut self) {
+        let locked = self.fault.is_some() || !self.status.homed;
+        if let Some(sender) = &mut self.sender {
+            sender.drop_lines();
+            sender.engine.forget_numbers();
+            let dialect = sender.dialect;
+            if self.fault.is_some() {
+                let why = "emergency stop, the bridges are off";
+                sender.outlet.send(&Engine::alarm(dialect, why));
+            }
+            if dialect == Dialect::Grbl {
+                sender.outlet.send(&Engine::greeting(dialect, locked));
+            }
+        }
+    }
+
+    pub(super) fn take_events(&mut self) -> Result<(), LinkError> {
+        let ended = |sender: &mut Sender| {
+            let why = sender.outlet.presence.ended()?.to_owned();
+            sender.lost.is_none().then(|| {
+                sender.drop_lines();
+                sender.lost = Some(why);
+            })
+        };
+        if self.sender.as_mut().and_then(ended).is_some() {
+            self.stop_and_drop()?;
+        }
+        while let Ok(event) = self.events.try_recv() {
+            self.take(event)?;
+        }
+        if let Some(sender) = &self.sender
+            && sender.outlet.presence.takes_report()
+        {
+            sender.outlet.send(&sender.engine.report(&self.view()));
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, event: Event) -> Result<(), LinkError> {
+        match event {
+            Event::Asks(visitor) => self.answer(visitor),
+            // It was sent before its sender lost control.
+            Event::Input(from, _) if !self.is_in_control(&from) => {}
+            Event::Input(_, Input::Line(line)) => {
+                if self.sender.as_mut().is_some_and(|sender| sender.push(line)) {
+                    (self.note)("the sender waits for no answers and is disconnected");
+                }
+            }
+            Event::Input(_, Input::RealTime(command)) => self.at_once(command)?,
+        }
+        Ok(())
+    }
+
+    /// Whether this is the connection of the sender in control, and has not ended.
+    fn is_in_control(&self, presence: &Arc<Presence>) -> bool {
+        let sender = self.sender.as_ref().filter(|sender| sender.lost.is_none());
+        sender.is_some_and(|sender| Arc::ptr_eq(&sender.outlet.presence, presence))
+    }
+
+    /// Gives a sender control, or tells it why not.
+    fn answer(&mut self, visitor: Visitor) {
+        match &self.sender {
+            None if !self.admits => return visitor.refuse(PAGE_MOVES),
+            None => {}
+            Some(sender) if self.may_lose_control(sender) => {
+                sender.outlet.send(LOST);
+                sender.outlet.end();
+                let peer = &sender.outlet.presence.peer;
+                (self.note)(&format!(
+                    "{peer} was silent and loses control to another sender"
+                ));
+                self.sender = None;
+                self.drop_path();
+            }
+            Some(_) => return visitor.refuse(BUSY),
+        }
+        self.open(visitor.admit());
+    }
+
+    /// Whether a sender has been silent for long while the arm rests and no line waits, or in a pause.
+    fn may_lose_control(&self, sender: &Sender) -> bool {
+        let has_done_all = self.path.is_empty() && sender.has_no_lines();
+        let rests = match self.phase {
+            Phase::Ready => has_done_all && !self.moves(),
+            Phase::Hold { rests } => rests,
+            Phase::Homing | Phase::Dropping => false,
+        };
+        rests && sender.outlet.presence.silence() > LONGEST_SILENCE
+    }
+
+    fn open(&mut self, outlet: Outlet) {
+        let mut engine = Engine::new(&self.placement, self.reading, &self.settings);
+        if let Some(tool) = self.tool() {
+            engine.set_position(tool);
+        }
+        self.fault = self.status.fault;
+        self.phase = Phase::Ready;
+        self.path.clear();
+        self.path.set_shares(Shares::WHOLE);
+        let dialect = self.fixed.unwrap_or(Dialect::Grbl);
+        let locked = self.status.fault.is_some() || !self.status.homed;
+        outlet.send(&Engine::greeting(dialect, locked));
+        (self.note)(&format!("a sender is connected: {}", outlet.presence.peer));
+        self.clears_from = Instant::now() + CLEARING;
+        self.sender = Some(Sender::new(outlet, engine, dialect));
+    }
+
+    /// A lost sender's arm rests before another one may be in control.
+    pub(super) fn release_lost_sender(&mut self) {
+        let Some(why) = self.sender.as_ref().and_then(|sender| sender.lost.clone()) else {
+            return;
+        };
+        if self.phase == Phase::Ready && !self.moves() {
+            self.sender = None;
+            (self.note)(&format!("{why}; the arm rests"));
+        }
+    }
+
+    pub(super) fn at_once(&mut self, command: RealTime) -> Result<(), LinkError> {
+        match command {
+            RealTime::Hold if self.jogs || self.phase == Phase::Homing => self.stop_and_drop()?,
+            RealTime::Hold => {
+                if self.phase == Phase::Ready {
+                    self.read_status()?;
+                    self.held_at = self.status.reference;
+                    let _ = self.request(Request::Stop)?;
+                    self.goes_on = false;
+                    self.phase = Phase::Hold { rests: false };
+                }
+            }
+            RealTime::Resume => match self.phase {
+                Phase::Hold { rests: true } => self.phase = Phase::Ready,
+                Phase::Hold { rests: false } => self.goes_on = true,
+                Phase::Ready | Phase::Homing | Phase::Dropping => {}
+            },
+            RealTime::Feed(change) => {
+                self.change_shares(|shares| shares.feed = changed(shares.feed, change));
+            }
+            RealTime::Rapid(share) => self.change_shares(|shares| shares.rapid = part(share)),
+            RealTime::Power(change) => {
+                // The level of a servo or a switch is no power.
+                if let ToolOutputSettings::Power { .. } = self.settings.tool_output {
+                    self.change_shares(|shares| shares.power = changed(shares.power, change));
+                }
+            }
+            RealTime::Speed(share) => self.change_shares(|shares| {
+                shares.feed = part(share);
+                shares.rapid = part(share);
+            }),
+            RealTime::CancelJog if self.jogs => self.stop_and_drop()?,
+            RealTime::CancelJog => {}
+            RealTime::Reset | RealTime::Emergency => {
+                // It has come since `stop_if_asked` looked; what follows it is not dropped.
+                if let Some(latches) = self.shared.take_stop() {
+                    self.switch_off(latches)?;
+                    self.report_emergency();
+                }
+            }
+            // `take_events` answers it.
+            RealTime::Report => {}
+        }
+        Ok(())
+    }
+
+    fn change_shares(&mut self, change: impl FnOnce(&mut Shares)) {
+        let mut shares = self.path.shares();
+        change(&mut shares);
+        self.path.set_shares(shares);
+    }
+
+    /// Comes to rest on the path and drops the rest of it.
+    fn stop_and_drop(&mut self) -> Result<(), LinkError> {
+        let _ = self.request(Request::Stop)?;
+        self.path.clear();
+        self.phase = Phase::Dropping;
+        Ok(())
+    }
+}
+
+/// A share after a change.
+fn changed(share: f32, change: ShareChange) -> f32 {
+    part(match change {
+        ShareChange::To(to) => to,
+        ShareChange::By(by) => (100.0 * share).round() as i32 + by,
+    })
+}
+
+/// A share in percent, as a part of the whole.
+fn part(percent: i32) -> f32 {
+    percent as f32 / 100.0
+}

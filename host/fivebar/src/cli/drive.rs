@@ -1,0 +1,150 @@
+//! `fivebar drive`: a job on a controller that drives motors.
+
+use super::failure::{Failure, refused};
+use super::log::LogArgs;
+use super::port::{PortArgs, interrupted};
+use super::run_args::JobArgs;
+use super::say::{say, warn};
+use super::sim::{millimetres, path_lengths};
+use fivebar_files::scenario::RefusedModeChange;
+use fivebar_firmware::Move;
+use fivebar_firmware::protocol::Board;
+use fivebar_sim::drive::{Drive, DriveError, Homing};
+use fivebar_sim::simulation::{Sample, Trace};
+use fivebar_sim::time_optimal::JobPlanner;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::atomic::Ordering;
+
+/// Streams a job to a controller that drives motors; Ctrl-C, and the
+/// signals of `kill` and of a terminal that closes, stop the arm on its path and switch the bridges off.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    job: JobArgs,
+    #[command(flatten)]
+    port: PortArgs,
+    /// Store the robot's settings on the controller.
+    #[arg(long)]
+    upload: bool,
+    /// Clear a latched fault first.
+    #[arg(long)]
+    clear: bool,
+    /// Joint angles to which you have turned the arm by hand [rad]; without this option, an
+    /// arm that is not homed searches for its home switches.
+    #[arg(long, value_name = "θ1,θ4", value_parser = super::run_args::point, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    #[command(flatten)]
+    log: LogArgs,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if !args.job.names_a_job() {
+        return Err(Failure::Usage(
+            "give a job: fivebar drive JOB.gcode --port PORT".into(),
+        ));
+    }
+    let scenario = args.job.scenario()?;
+    let job = scenario.job().map_err(refused)?;
+    for warning in &job.warnings {
+        warn(format_args!("{}, {warning}", scenario.job_file));
+    }
+    let settings = scenario.robot.settings().map_err(refused)?;
+    // Holds for an arm that is to be homed. One that is homed may be in other modes.
+    let refused_from_home = scenario.moves(&job).err();
+
+    args.log.prepare()?;
+    let interrupted = interrupted()?;
+    let (mut client, identity) = args.port.open()?;
+    if identity.board == Board::Emulated {
+        return Err(Failure::Refused(
+            "an emulated board has no motors; run the job on it with `fivebar pil`".into(),
+        ));
+    }
+    let wants_stop = || interrupted.load(Ordering::Relaxed);
+    let mut drive = Drive::new(&mut client, &wants_stop);
+    let lengths = path_lengths(&scenario, &job);
+    let done = |last: Option<&Move>| {
+        let line = last.map_or(0, |last| last.tag);
+        let steps = job.steps.partition_point(|step| step.line <= line);
+        steps.checked_sub(1).map_or(0.0, |last| lengths[last])
+    };
+    let all = lengths.last().copied().unwrap_or_default();
+    let bar = ProgressBar::new(millimetres(all)).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}  {msg}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let homing = args.at.map_or(Homing::Switches, |angles| {
+        Homing::At(angles.map(|angle| angle as f32))
+    });
+    let tick_rate = f64::from(settings.control.tick_rate);
+    let mut start = None;
+    let mut trace = Trace::default();
+    let mut moves = Vec::new();
+    let mut has_crossed = false;
+    let go = || {
+        if args.clear {
+            drive.clear_fault()?;
+        }
+        drive.agree_on(&settings, args.upload)?;
+        if let Some(refusal) = refused_from_home
+            && !drive.is_homed()?
+        {
+            return Err(refusal.into());
+        }
+        bar.set_message("homing");
+        drive.home(homing)?;
+        bar.set_message("");
+        let mut planner = drive.planner(&settings)?;
+        has_crossed = planner.assembly() != settings.assembly();
+        moves = scenario.moves_in(planner.workspace().mode, Some(planner.assembly()), &job)?;
+        if let Some(share) = scenario.time_optimal {
+            let job = JobPlanner::new(&scenario.robot, share)?;
+            moves = job.moves(drive.tool()?, &moves, &mut planner)?;
+        }
+        drive.follow(&moves, &settings, &mut |taken, status| {
+            let last = taken.checked_sub(1).and_then(|last| moves.get(last));
+            bar.set_position(millimetres(done(last)));
+            let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
+            if let Some(sample) = Sample::reported(status, f64::from(ticks) / tick_rate) {
+                trace.push(sample);
+            }
+        })
+    };
+    let outcome = go();
+    bar.finish_and_clear();
+    // A refused job has no samples to log.
+    let logged = match trace.samples() {
+        [] => Ok(()),
+        _ => args.log.write(&scenario.robot, &trace),
+    };
+    match outcome {
+        Ok(()) => {
+            say(format_args!(
+                "{}: {} moves done, bridges off",
+                scenario.job_file,
+                moves.len()
+            ))?;
+            logged
+        }
+        Err(DriveError::Move(error)) => {
+            let text = scenario.named(error.tag, &error.to_string());
+            Err(refused(text + way_out(has_crossed)))
+        }
+        Err(DriveError::ModeChange(RefusedModeChange { line, error })) => {
+            let text = scenario.named(line, &error.to_string());
+            Err(refused(text + way_out(has_crossed)))
+        }
+        Err(error) => Err(refused(error)),
+    }
+}
+
+/// What to do about a job that is refused where the arm is.
+fn way_out(has_crossed: bool) -> &'static str {
+    match has_crossed {
+        true => {
+            "; the arm is in the other assembly mode since its last crossing: give an --origin with which \
+             the job lies in the reach of that, or cross back with M781 first"
+        }
+        false => "",
+    }
+}

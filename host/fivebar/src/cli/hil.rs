@@ -1,0 +1,32 @@
+//! `fivebar hil`: the firmware on a board, in lockstep with the simulated arm.
+
+use super::failure::{Failure, refused};
+use super::lockstep::{self, LockstepArgs, RemoteController};
+use fivebar_sim::link::SerialLine;
+
+/// Runs a job on a board without motors, in lockstep with the simulated arm.
+///
+/// All outputs are compared bit by bit with the same run in this process. The board, on a
+/// serial port, has the image `qemu`, which exchanges frames instead of driving bridges and
+/// reading sensors; no motor moves.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    run: LockstepArgs,
+    /// The board's serial port, such as /dev/ttyACM0 or COM3.
+    #[arg(long)]
+    port: String,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let board = RemoteController {
+        name: &args.port,
+        command: "hil",
+        unit: "ns",
+        likely_cause: "if its image `qemu` is older than this program, build it again with \
+                       scripts/firmware.sh and flash it",
+    };
+    lockstep::run(&args.run, &board, || {
+        Ok(Box::new(SerialLine::open(&args.port).map_err(refused)?))
+    })
+}

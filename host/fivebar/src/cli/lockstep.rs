@@ -1,0 +1,159 @@
+//! The common part of `pil` and `hil`: a run in lockstep with a controller outside this
+//! process, compared bit by bit with the same run in this process.
+
+use super::failure::{Failure, refused};
+use super::run_args::RunArgs;
+use super::say::say;
+use super::sim::{millimetres, outcome, path_lengths, print, progress_bar, refusal};
+use fivebar_report::pages::RunReport;
+use fivebar_report::text::{conditions, fault_and_next_step};
+use fivebar_sim::link::{Difference, Instructions, Lockstep, LockstepError, TargetError};
+use fivebar_sim::simulation::{RunError, Simulate, Summary};
+use serde::Serialize;
+use std::io::{Read, Write};
+
+/// Moves of the demonstration to run by default: less than a minute for an emulator.
+const MOVES_OF_THE_DEMONSTRATION: usize = 3;
+
+#[derive(clap::Args)]
+pub(super) struct LockstepArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Run only this number of moves from the beginning of the job; by default 3 moves of the
+    /// demonstration, or all moves of a named job.
+    #[arg(long, value_name = "COUNT")]
+    moves: Option<usize>,
+}
+
+/// The figures of a run in lockstep.
+#[derive(Serialize)]
+struct LockstepSummary<'a> {
+    #[serde(flatten)]
+    run: &'a Summary,
+    instructions_per_tick: PerTick,
+    /// Whether all duties, states and estimates have the same bits as in this process.
+    bit_exact: bool,
+    first_difference: Option<&'a Difference>,
+}
+
+/// Instructions of a tick at the other end; 0 if they are not counted.
+#[derive(Serialize)]
+struct PerTick {
+    min: u32,
+    mean: f64,
+    max: u32,
+}
+
+/// The controller at the other end.
+pub(super) struct RemoteController<'a> {
+    /// Its name in messages.
+    pub(super) name: &'a str,
+    /// The command that connects to it.
+    pub(super) command: &'a str,
+    /// The unit in which it measures a tick.
+    pub(super) unit: &'a str,
+    /// The likely cause of other outputs, or of no reply.
+    pub(super) likely_cause: &'a str,
+}
+
+/// Runs the job on the controller at the other end of `line`.
+pub(super) fn run(
+    args: &LockstepArgs,
+    other: &RemoteController<'_>,
+    line: impl FnOnce() -> Result<Box<dyn Connection>, Failure>,
+) -> Result<(), Failure> {
+    let RemoteController {
+        name,
+        command,
+        unit,
+        likely_cause,
+    } = other;
+    let scenario = args.run.scenario()?;
+    let folders = args.run.output.prepare(command)?;
+    let job = scenario.job().map_err(refused)?;
+    scenario
+        .check(&job)
+        .map_err(|error| refusal(&scenario, &error))?;
+    let count = args.moves.or_else(|| {
+        let demonstration = !args.run.names_a_job();
+        demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
+    });
+    let count = count.unwrap_or(usize::MAX);
+    let moves = scenario.first_moves(&job, count);
+    let moves = moves.map_err(|error| refusal(&scenario, &error))?;
+
+    let settings = scenario.robot.settings().map_err(refused)?;
+    let (mut lockstep, _) =
+        Lockstep::begin(line()?, &settings, &settings).map_err(|error| match error {
+            LockstepError::Link(_) | LockstepError::Refused(_) => {
+                refused(format_args!("{name}: {error}; {likely_cause}"))
+            }
+            other => refused(format_args!("{name}: {other}")),
+        })?;
+    let lengths = path_lengths(&scenario, &job);
+    let last = count.min(lengths.len()).saturating_sub(1);
+    let bar = progress_bar(lengths.get(last).copied());
+    let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
+        bar.set_position(millimetres(done));
+    });
+    bar.finish_and_clear();
+    let (mut summary, record) = ran.map_err(|error| match error {
+        RunError::Target(TargetError::Link(_) | TargetError::Unexpected(_)) => {
+            refused(format_args!("{name}: {error}; {likely_cause}"))
+        }
+        other => refusal(&scenario, &other),
+    })?;
+    summary.out_dir = folders.out.path().display().to_string();
+
+    let Instructions { min, max, total } = lockstep.instructions();
+    let figures = LockstepSummary {
+        run: &summary,
+        instructions_per_tick: PerTick {
+            min,
+            mean: total as f64 / lockstep.ticks().max(1) as f64,
+            max,
+        },
+        bit_exact: lockstep.first_difference().is_none(),
+        first_difference: lockstep.first_difference(),
+    };
+    let stopped = fault_and_next_step(&scenario, &record);
+    let report = RunReport {
+        robot: &scenario.robot,
+        job: Some(&job),
+        summary: &summary,
+        trace: &record.trace,
+        pid: None,
+        stopped: stopped.as_deref(),
+        conditions: &conditions(&scenario),
+    };
+    let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
+    args.run.output.write(&folders, &report, &text)?;
+    if args.run.output.json {
+        say(serde_json::to_string(&figures).map_err(refused)?)?;
+    } else {
+        print(&summary, &record)?;
+        print_comparison(&figures, lockstep.ticks(), unit)?;
+    }
+    if let Some(difference) = lockstep.first_difference() {
+        return Err(refused(format_args!("{difference}; {likely_cause}")));
+    }
+    outcome(&scenario, &record)
+}
+
+/// A stream of bytes to a controller.
+pub(super) trait Connection: Read + Write {}
+impl<L: Read + Write> Connection for L {}
+
+fn print_comparison(figures: &LockstepSummary<'_>, ticks: u64, unit: &str) -> Result<(), Failure> {
+    let PerTick { min, mean, max } = figures.instructions_per_tick;
+    say(format_args!(
+        "  tick        {min} to {max} {unit}, {mean:.0} on average"
+    ))?;
+    if figures.bit_exact {
+        say(format_args!(
+            "  bit exact   all duties, states and estimates of {ticks} ticks equal those in this \
+             process"
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! `fivebar sim`: a job on the simulated arm under the production control loop.
+
+use super::failure::{Failure, refused};
+use super::output::OutputArgs;
+use super::run_args::RunArgs;
+use super::say::{say, warn};
+use fivebar_files::job::Job;
+use fivebar_files::scenario::Scenario;
+use fivebar_report::pages::RunReport;
+use fivebar_report::text::{self, conditions, fault_and_next_step, quantity, stopped_by};
+use fivebar_sim::simulation::{CauseError, Record, RunError, Simulate, Summary, TipError};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Simulates a job from power-up to its end and writes a report.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Run the job also with each mismatch of the scenario alone, and show the error by cause.
+    #[arg(long)]
+    by_cause: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    simulate(&args.run.scenario()?, &args.run.output, args.by_cause)
+}
+
+/// Runs a scenario, once more with PID at each joint for comparison, and on demand with each mismatch
+/// alone; writes and prints the results.
+pub(super) fn simulate(
+    scenario: &Scenario,
+    output: &OutputArgs,
+    by_cause: bool,
+) -> Result<(), Failure> {
+    let folders = output.prepare("sim")?;
+    let job = scenario.job().map_err(refused)?;
+    for warning in &job.warnings {
+        warn(format_args!("{}, {warning}", scenario.job_file));
+    }
+    scenario
+        .check(&job)
+        .map_err(|error| refusal(scenario, &error))?;
+    let bar = progress_bar(path_lengths(scenario, &job).last().copied());
+    let (ours, pid) = rayon::join(
+        || {
+            let progress = &mut |done| bar.set_position(millimetres(done));
+            scenario.simulate(&job, scenario.computed_torque, progress)
+        },
+        || {
+            let compared = scenario.computed_torque;
+            compared.then(|| scenario.simulate(&job, false, &mut |_| ()))
+        },
+    );
+    bar.finish_and_clear();
+    let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
+    // PID may fail where computed torque does not; then there is no comparison.
+    let pid = pid.and_then(Result::ok);
+    summary.out_dir = folders.out.path().display().to_string();
+    summary.pid_tip_error = pid.as_ref().map(|(pid, _)| pid.tip_error);
+    if by_cause {
+        let causes = scenario.by_cause(&job, &summary);
+        summary.by_cause = causes.map_err(|error| refusal(scenario, &error))?;
+    }
+    let text = serde_json::to_string_pretty(&summary).map_err(refused)?;
+    let stopped = fault_and_next_step(scenario, &record);
+    let report = RunReport {
+        robot: &scenario.robot,
+        job: Some(&job),
+        summary: &summary,
+        trace: &record.trace,
+        pid: pid
+            .as_ref()
+            .map(|(summary, record)| (summary, &record.trace)),
+        stopped: stopped.as_deref(),
+        conditions: &conditions(scenario),
+    };
+    output.write(&folders, &report, &text)?;
+    if output.json {
+        say(serde_json::to_string(&summary).map_err(refused)?)?;
+    } else {
+        print(&summary, &record)?;
+    }
+    outcome(scenario, &record)
+}
+
+pub(super) fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
+    refused(text::refusal(scenario, error))
+}
+
+pub(super) fn outcome(scenario: &Scenario, record: &Record) -> Result<(), Failure> {
+    stopped_by(scenario, record).map_or(Ok(()), |reason| Err(refused(reason)))
+}
+
+/// The length of the path at the end of each step, from home on [m].
+pub(super) fn path_lengths(scenario: &Scenario, job: &Job) -> Vec<f64> {
+    let robot = &scenario.robot;
+    let home = robot.home_pose().map(|home| robot.tool_at(&home));
+    job.path_lengths(home.unwrap_or_default())
+}
+
+pub(super) fn millimetres(metres: f64) -> u64 {
+    (1e3 * metres) as u64
+}
+
+/// A bar for a path of this length [m].
+pub(super) fn progress_bar(length: Option<f64>) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}");
+    // The bar is visible on a terminal only.
+    ProgressBar::new(millimetres(length.unwrap_or_default()))
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
+    let Summary {
+        robot, scenario, ..
+    } = summary;
+    say(format_args!("{robot} draws {scenario}"))?;
+    if let Some(time) = summary.job_s {
+        say(format_args!("  job         {time:.3} s"))?;
+    }
+    say(format_args!(
+        "  simulated   {:.3} s in {} ({} times real time), with homing",
+        summary.simulated_s,
+        quantity(summary.wall_s, "s"),
+        summary.speed()
+    ))?;
+    if record.begun.is_some() {
+        print_errors(summary)?;
+    }
+    for CauseError {
+        cause,
+        tip_error,
+        faults,
+    } in &summary.by_cause
+    {
+        let [rms, max] = [tip_error.rms_m, tip_error.max_m].map(|error| quantity(error, "m"));
+        let fault = faults.first().map(|fault| format!(", fault: {fault}"));
+        say(format_args!(
+            "    {cause:<18}{rms} RMS, {max} max{}",
+            fault.unwrap_or_default()
+        ))?;
+    }
+    let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
+    say(format_args!(
+        "  torque      {torque1} and {torque4} max, limited in {} ticks",
+        summary.saturated_ticks
+    ))?;
+    let stride = record.trace.stride();
+    if stride > 1 {
+        say(format_args!(
+            "  trace       one tick in {stride} is kept, to bound the memory"
+        ))?;
+    }
+    say(format_args!(
+        "  report      {}/report.html",
+        summary.out_dir
+    ))?;
+    Ok(())
+}
+
+fn print_errors(summary: &Summary) -> Result<(), Failure> {
+    let figures = |error: TipError| {
+        let [rms, max] = [error.rms_m, error.max_m].map(|error| quantity(error, "m"));
+        format!("{rms} RMS, {max} max")
+    };
+    say(format_args!("  tip error   {}", figures(summary.tip_error)))?;
+    let Some(pid) = summary.pid_tip_error else {
+        return Ok(());
+    };
+    let ratio = summary.ratio_to(pid);
+    let ratio = ratio.map(|ratio| format!(" ({ratio:.1}×)"));
+    say(format_args!(
+        "  joint PID   {}{}",
+        figures(pid),
+        ratio.unwrap_or_default()
+    ))
+}

@@ -1,0 +1,195 @@
+//! The step that finds lengths and joint offsets from touched holes.
+
+use super::super::bench::Bench;
+use super::super::finding::StepError;
+use super::super::operator::Task;
+use super::super::record::Value;
+use super::encoder_errors::{WithErrors, fit};
+use super::{Outcome, measured as measured_value};
+use fivebar_design::Noise;
+use fivebar_design::calibration::Touch;
+use fivebar_files::measurements::read_columns;
+use fivebar_files::robot::{MeasuredKey, Robot};
+use fivebar_plant::EncoderSide;
+use fivebar_report::picture::tip_errors;
+use fivebar_report::study::calibration::{
+    CalibrationStudy, calibrate_robot, measured, propose_poses,
+};
+use fivebar_report::study::workspace::WorkspaceStudyError;
+use std::f64::consts::TAU;
+
+/// Holes that are touched.
+const HOLES: usize = 40;
+/// Standard deviation of a hole's x and of its y [m].
+const SIGMA: f64 = 20e-6;
+
+pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError> {
+    let rows = match bench.points.clone() {
+        Some(points) => {
+            read_columns(&points, ["counts1", "counts4", "x", "y"]).map_err(StepError::other)?
+        }
+        None => touched(bench)?,
+    };
+    let mut study = calibrate_robot(&bench.robot, &rows, SIGMA, true).map_err(|error| {
+        StepError::wrong(
+            format_args!("the holes do not determine the arm: {error}"),
+            "check the plate's table, counts and gear ratios, and touch the holes again",
+        )
+    })?;
+    let errors = encoder_errors(bench, &rows)?;
+    if let Some(errors) = &errors {
+        study.calibration.parameters = errors.parameters;
+    }
+    let p = &study.calibration.parameters;
+    let sd = |index: usize| study.calibration.covariance[(index, index)].sqrt();
+    let names = [
+        "l1_m",
+        "l2_m",
+        "l3_m",
+        "l4_m",
+        "base_m",
+        "offset1_rad",
+        "offset4_rad",
+    ];
+    let found = p.lengths.iter().chain(&p.offsets);
+    let mut values: Vec<Value> = (names.iter().zip(found).enumerate())
+        .map(|(index, (name, value))| {
+            Value::new(*name, *value, "by touched holes").with_sd(sd(index))
+        })
+        .collect();
+    for (index, name) in ["plate_x_m", "plate_y_m", "plate_phi_rad"]
+        .into_iter()
+        .enumerate()
+    {
+        let placed = [p.origin[0], p.origin[1], p.turn][index];
+        values.push(
+            Value::new(name, placed, "of the plate, by touched holes").with_sd(sd(7 + index)),
+        );
+    }
+    let mut text = format!("lengths and offsets from {} holes", rows.len());
+    if let Some(expected) = &study.tip_error {
+        values.push(Value::new(
+            "tip_error_expected_m",
+            expected.rms,
+            "over the workspace",
+        ));
+        text += &format!(", a tip error of {:.1} µm expected", 1e6 * expected.rms);
+    }
+    let mut keys = Vec::new();
+    if let Some(errors) = &errors {
+        for joint in [0, 1] {
+            // The angle at the home switch is that of the joint, not of its encoder.
+            let ratio = bench.drive(joint)?.gear_ratio;
+            let at_home = errors.at(joint, bench.robot.home[joint], ratio);
+            study.calibration.parameters.offsets[joint] -= at_home;
+            keys.push(measured_value(
+                MeasuredKey::Actuator(joint, "encoder_error"),
+                errors.text(joint),
+                "by touched holes".into(),
+            ));
+        }
+        text += &format!(
+            "; errors of the encoders explain what left residuals of {:.0} µm: now {:.0} µm",
+            1e6 * study.calibration.residual_rms,
+            1e6 * errors.residual
+        );
+    }
+    keys.extend(measured(
+        &bench.robot,
+        &study.calibration.parameters,
+        &study.calibration.covariance,
+    ));
+    let picture = map(&bench.robot, &study).map_err(StepError::other)?;
+    Ok(Outcome {
+        found: text,
+        values,
+        measured: keys,
+        picture,
+    })
+}
+
+/// The error of the tip over the workspace before and after; none where the arm reaches nothing.
+fn map(robot: &Robot, study: &CalibrationStudy) -> Result<Option<String>, WorkspaceStudyError> {
+    let (Some(before), Some(after)) = (&study.before, &study.tip_error) else {
+        return Ok(None);
+    };
+    let workspace = robot.workspace(robot.elbows);
+    let workspace =
+        workspace.map_err(|error| WorkspaceStudyError::Robot(robot.name.clone(), error))?;
+    tip_errors(&robot.name, &workspace.tool, before, after).map(Some)
+}
+
+/// Decrease of the sum of squared residuals [σ²] from which errors of the encoders are believed: their
+/// eight unknowns alone take 8 ± 4 of it.
+const SIGNIFICANT: f64 = 40.0;
+
+/// Errors of the encoders, where they explain significantly more than without them.
+fn encoder_errors(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>, StepError> {
+    // Of all holes: errors of the encoders are no outliers.
+    let plain = calibrate_robot(&bench.robot, rows, SIGMA, false).map_err(StepError::other)?;
+    let residual = plain.calibration.residual_rms;
+    let drives = [bench.drive(0)?, bench.drive(1)?];
+    let known = drives.iter().any(|drive| !drive.encoder_error.is_zero());
+    let at_motor = drives
+        .iter()
+        .all(|drive| drive.encoder_side == EncoderSide::Motor);
+    if known || !at_motor || rows.len() < 30 {
+        return Ok(None);
+    }
+    let per_turn = [bench.counts_per_turn(0)?, bench.counts_per_turn(1)?];
+    let touch = |row: &[f64; 4]| Touch {
+        encoder: [0, 1].map(|joint: usize| (row[joint] + 0.5) * TAU / per_turn[joint]),
+        hole: [row[2], row[3]].into(),
+    };
+    let touches: Vec<Touch> = rows.iter().map(touch).collect();
+    let ratios = [drives[0].gear_ratio, drives[1].gear_ratio];
+    let assembly = bench
+        .robot
+        .home_pose()
+        .map_err(StepError::other)?
+        .assembly();
+    let found = fit(&plain.calibration.parameters, &touches, ratios, assembly);
+    let explained = |found: &WithErrors| {
+        let squares = residual * residual - found.residual * found.residual;
+        squares * (2 * rows.len()) as f64 > SIGNIFICANT * SIGMA * SIGMA
+    };
+    Ok(found.filter(explained))
+}
+
+/// Counts of both joints and the place of each hole.
+fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
+    let proposal = propose_poses(&bench.robot, HOLES, SIGMA).map_err(StepError::other)?;
+    bench.home()?;
+    bench.tell("The holes of the plate, in the arm's own frame: fivebar calibrate --propose 40 --plate FILE.svg")?;
+    let simulated = bench.operator.hand().is_some();
+    let mut noise = Noise::new(7);
+    let mut rows = Vec::new();
+    let mut first = None;
+    for (index, place) in proposal.proposal.points.iter().enumerate() {
+        let stated = [place.x, place.y];
+        // A simulated plate has its holes where a drill has put them.
+        let true_place = match simulated {
+            true => stated.map(|x| x + SIGMA * noise.normal()),
+            false => stated,
+        };
+        bench.ask(Task::Hole(index, true_place))?;
+        let counts = bench.sample()?.counts;
+        // The angle of the first hole as the controller knows it; the others follow by counts.
+        let (start, angle) = match first {
+            Some(first) => first,
+            None => {
+                let angle = bench.client.status()?.0.angle;
+                *first.insert((counts, angle))
+            }
+        };
+        let mut row = [0.0, 0.0, stated[0], stated[1]];
+        for joint in [0, 1] {
+            let per_radian = bench.counts_per_turn(joint)? / TAU;
+            let turned = f64::from(counts[joint].wrapping_sub(start[joint]));
+            row[joint] = f64::from(angle[joint]) * per_radian - 0.5 + turned;
+        }
+        rows.push(row);
+    }
+    bench.ask(Task::LetGo)?;
+    Ok(rows)
+}

@@ -1,0 +1,7 @@
+#![doc = include_str!("../README.md")]
+
+pub mod bridge;
+pub mod cli;
+mod commission;
+pub mod doctor;
+pub mod serve;

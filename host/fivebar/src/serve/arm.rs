@@ -1,0 +1,36 @@
+//! The description of the arm for pages, sent before the arm moves.
+
+use fivebar_files::robot::{HomeError, Robot};
+use serde::Serialize;
+
+/// Positions [m], angles [rad].
+#[derive(Debug, Serialize)]
+struct Arm<'a> {
+    name: &'a str,
+    /// Where its controller runs.
+    place: &'a str,
+    base: f64,
+    tool_offset: [f64; 2],
+    /// Least and greatest θ1 and θ4.
+    angle_limits: [[f64; 2]; 2],
+    /// B, C, D and the tool at home.
+    home: [[f64; 2]; 4],
+}
+
+/// The description as JSON.
+///
+/// # Errors
+/// The robot has no home pose.
+pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, HomeError> {
+    let pose = robot.home_pose()?;
+    let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
+    let arm = Arm {
+        name: &robot.name,
+        place,
+        base: robot.geometry.base(),
+        tool_offset: robot.tool.offset,
+        angle_limits: robot.limits.angle,
+        home: [b, c, d, robot.tool_at(&pose)],
+    };
+    Ok(serde_json::json!(arm).to_string())
+}

@@ -1,0 +1,331 @@
+//! The thread that exchanges messages with the controller.
+//!
+//! Before each exchange it does the stops that pages ask for ([`Self::stop_if_asked`]
+//! (ControllerThread::stop_if_asked)), so a stop waits for one exchange at most.
+
+use super::ServeError;
+use super::channels::ControllerEnd;
+use super::job_thread::JobThread;
+use super::lease::PageId;
+use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
+use super::mode_thread::ModeThread;
+use super::move_feeder::{JobStatus, MoveFeeder};
+use super::news::News;
+use super::parsed_job::ParsedJob;
+use super::preview::{JobStart, Preview};
+use crate::bridge::{Machine, Seat};
+use fivebar_files::robot::Robot;
+use fivebar_firmware::Status;
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
+use fivebar_firmware::safety::Fault;
+use fivebar_kinematics::five_bar::Side;
+use fivebar_sim::controller::Opened;
+use fivebar_sim::controller::SpeedMeter;
+use fivebar_sim::controller::sentence;
+use fivebar_sim::link::LinkError;
+use fivebar_sim::simulation::fault_name;
+use fivebar_sim::time_optimal::JobPlanner;
+use std::sync::{Arc, mpsc};
+use std::time::Instant;
+
+/// States sent to pages per second of the controller's time [Hz].
+const SAMPLES: f32 = 30.0;
+/// The same for a board in lockstep, whose time runs slower than real time [Hz].
+const SAMPLES_STEPPED: f32 = 200.0;
+/// Events of pages that are handled before the controller gets its next sign of life.
+const EVENTS_PER_CYCLE: usize = 64;
+/// Places of the tool in one state.
+const MOST_PLACES: usize = 32;
+
+/// One controller and the pages that show it.
+pub(super) struct ControllerThread {
+    /// The controller, and the sender of G-code that may be in control of it.
+    pub(super) machine: Machine<'static>,
+    /// What the machine tells the pages.
+    notes: mpsc::Receiver<String>,
+    pub(super) pages: ControllerEnd,
+    pub(super) news: News,
+    pub(super) preview: Preview,
+    /// The page that was in control when the feeder got its moves.
+    controlled_by: Option<PageId>,
+    pub(super) feeder: MoveFeeder,
+    /// Where the tool was since the last state [m], and its level there.
+    trail: Vec<[f32; 3]>,
+    /// The fault last sent to all pages, or that there is none; `None` before the first.
+    sent_fault: Option<Option<Fault>>,
+    pub(super) jobs: JobThread,
+    pub(super) modes: ModeThread,
+    /// The page that wants another working mode as soon as the arm rests, and its elbows.
+    pub(super) mode_wanted: Option<(PageId, [Side; 2])>,
+    pub(super) loaded: Option<LoadedJob>,
+    /// The page that wants the job to run from this line as soon as it is read and checked.
+    pub(super) run_asked_by: Option<(PageId, u32)>,
+    /// Whether the job runs on when no page is in control.
+    pub(super) run_on: bool,
+    /// When a page last cleared a fault.
+    pub(super) cleared: Option<Instant>,
+    speed: SpeedMeter,
+}
+
+/// A job that was read and checked.
+pub(super) struct LoadedJob {
+    pub(super) job: Arc<ParsedJob>,
+    /// Where it was checked from.
+    pub(super) start: JobStart,
+    /// Why it cannot be done from there.
+    pub(super) refusal: Option<String>,
+}
+
+impl ControllerThread {
+    /// Starts the controller's telemetry.
+    pub(super) fn new(
+        opened: Opened,
+        seat: Seat,
+        robot: Robot,
+        planner: Option<JobPlanner>,
+        pages: ControllerEnd,
+        news: News,
+    ) -> Result<Self, ServeError> {
+        let samples = if opened.stepped.is_some() {
+            SAMPLES_STEPPED
+        } else {
+            SAMPLES
+        };
+        let (tell, notes) = mpsc::channel();
+        // It fails only when this thread has ended.
+        let note = move |text: &str| drop(tell.send(text.to_owned()));
+        let mut machine = seat
+            .machine(&robot, opened, Box::new(note))
+            .map_err(Box::new)?;
+        let every = (machine.settings.control.tick_rate / samples) as u16;
+        machine.client.call(HostCommand::Telemetry { every })?;
+        let preview = Preview::new(&machine.settings);
+        Ok(Self {
+            machine,
+            notes,
+            pages,
+            news,
+            jobs: JobThread::start(robot, preview.clone(), planner),
+            modes: ModeThread::start(preview.clone()),
+            mode_wanted: None,
+            preview,
+            controlled_by: None,
+            feeder: MoveFeeder::default(),
+            trail: Vec::new(),
+            sent_fault: None,
+            loaded: None,
+            run_asked_by: None,
+            run_on: false,
+            cleared: None,
+            speed: SpeedMeter::from(0.0, Instant::now()),
+        })
+    }
+
+    /// Runs until `ends` returns true or the connection fails. In the first case it then
+    /// brings the arm to rest and disarms it.
+    pub(super) fn run(mut self, ends: &dyn Fn() -> bool) -> Result<(), ServeError> {
+        while !ends() {
+            self.cycle()?;
+        }
+        Ok(self.machine.stop_arm()?)
+    }
+
+    fn cycle(&mut self) -> Result<(), LinkError> {
+        self.handle_events()?;
+        self.take_prepared_job();
+        self.change_mode_if_wanted();
+        let admits = self.rests() && !self.feeder.is_running();
+        if self.machine.serve_seat(admits)? {
+            let status = self.machine.status;
+            self.note_place(&status);
+            self.feeder.drop_target();
+        } else {
+            self.feed_controller()?;
+        }
+        while let Ok(note) = self.notes.try_recv() {
+            self.notice(&note);
+        }
+        self.stop_if_asked()?;
+        self.machine.pass_time()?;
+        while let Some(sample) = self.machine.client.take_telemetry() {
+            let homed = sample.status.homed && !self.machine.status.homed;
+            self.machine.status = sample.status;
+            let job = self.feeder.follow(&sample.status);
+            self.report_job(job);
+            if homed {
+                self.check_job_again();
+            }
+            self.stop_if_asked()?;
+            self.send_state()?;
+        }
+        Ok(())
+    }
+
+    /// Handles what pages ask for, up to a request for which the controller was asked.
+    fn handle_events(&mut self) -> Result<(), LinkError> {
+        for _ in 0..EVENTS_PER_CYCLE {
+            self.stop_if_asked()?;
+            let Ok(event) = self.pages.events.try_recv() else {
+                return Ok(());
+            };
+            self.drop_moves_of_a_lost_page();
+            if self.handle_event(event)? {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Drops the moves of a page that is no longer in control. Its job keeps its place, or goes on
+    /// if it was told to.
+    fn drop_moves_of_a_lost_page(&mut self) {
+        let holder = self.pages.shared.lease.holder();
+        if holder != self.controlled_by {
+            self.controlled_by = holder;
+            self.run_asked_by = None;
+            self.mode_wanted = None;
+            if self.runs_on() {
+                self.feeder.drop_target();
+            } else {
+                self.feeder.leave();
+            }
+        }
+    }
+
+    /// Whether a job runs that goes on without a page in control.
+    pub(super) fn runs_on(&self) -> bool {
+        self.run_on && self.feeder.is_running()
+    }
+
+    pub(super) fn report_job(&self, status: JobStatus) {
+        match status {
+            JobStatus::Unchanged => {}
+            JobStatus::Finished => self.notice("The job is done."),
+            JobStatus::Held => {
+                let line = self.feeder.line().unwrap_or_default();
+                self.notice(&format!(
+                    "The job has stopped at line {line} and can be resumed there."
+                ));
+            }
+        }
+    }
+
+    /// Whether the host may send to the controller now: only while the page in control gives
+    /// signs of life or a job runs on without one, and after the stops that pages have asked for.
+    fn may_feed(&mut self) -> Result<bool, LinkError> {
+        if self.stop_if_asked()? {
+            return Ok(false);
+        }
+        self.drop_moves_of_a_lost_page();
+        Ok(self.runs_on() || self.pages.shared.lease.is_alive(Instant::now()))
+    }
+
+    /// Gives the controller a sign of life and the moves that wait.
+    fn feed_controller(&mut self) -> Result<(), LinkError> {
+        if !self.may_feed()? {
+            return Ok(());
+        }
+        let (status, mut room) = self.machine.client.status()?;
+        self.note_place(&status);
+        let job = self.feeder.update(&status, room);
+        self.report_job(job);
+        while self.may_feed()? {
+            let Some(next) = self.feeder.next(room) else {
+                break;
+            };
+            match self.machine.client.call(HostCommand::Move(next))? {
+                Reply::Refused(CommandError::Move(refusal))
+                    if refusal.kind == MoveErrorKind::Full =>
+                {
+                    break;
+                }
+                Reply::Refused(refusal) => {
+                    self.feeder.refused();
+                    self.refuse(None, sentence(&refusal));
+                }
+                Reply::Taken { room: left } => {
+                    self.feeder.taken(&next);
+                    room = left;
+                }
+                other => {
+                    self.feeder.refused();
+                    self.refuse(None, format!("Unexpected reply to a move: {other:?}."));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes where the tool is, for the drawing.
+    fn note_place(&mut self, status: &Status) {
+        if let Some([x, y]) = status.tool.filter(|_| self.trail.len() < MOST_PLACES) {
+            self.trail.push([x, y, status.tool_level]);
+        }
+    }
+
+    fn send_state(&mut self) -> Result<(), LinkError> {
+        if self.sent_fault != Some(self.machine.status.fault) {
+            self.sent_fault = Some(self.machine.status.fault);
+            let snapshot = match self.machine.status.fault {
+                Some(_) => self.machine.client.call(HostCommand::Snapshot)?,
+                None => Reply::Snapshot(None),
+            };
+            if let Reply::Snapshot(snapshot) = snapshot {
+                self.news
+                    .send(&ServerMessage::Fault(snapshot.map(|snapshot| {
+                        FaultMessage {
+                            name: fault_name(snapshot.fault),
+                            snapshot,
+                        }
+                    })));
+            }
+        }
+        // Pages know moves by the lines of the job.
+        let mut status = self.machine.status;
+        status.tag = status.tag.and_then(|_| self.feeder.line());
+        let status = &status;
+        let tick_rate = f64::from(self.machine.settings.control.tick_rate);
+        let time = f64::from(status.tick) / tick_rate;
+        let now = Instant::now();
+        let pose = self.preview.pose(status);
+        let lease = &self.pages.shared.lease;
+        self.news.send(&ServerMessage::State(StateMessage {
+            status,
+            time,
+            speed: self.speed.at(time, now),
+            joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
+            elbows: pose.map(|pose| self.preview.branch(&pose).elbows),
+            modes: self.modes.reachable(),
+            trail: &self.trail,
+            sender: self.machine.is_taken(),
+            control: lease.holder(),
+            alive: lease.is_alive(now),
+            progress: self.feeder.progress(),
+            left: self.feeder.left(tick_rate),
+            held: self.feeder.held().and_then(|_| self.feeder.line()),
+            run_on: self.run_on,
+            feed: self.feeder.feed(),
+        }));
+        self.trail.clear();
+        Ok(())
+    }
+
+    /// Sends a notice to all pages.
+    pub(super) fn notice(&self, text: &str) {
+        self.news.send(&ServerMessage::Notice {
+            to: None,
+            refused: false,
+            text: text.into(),
+        });
+    }
+
+    /// Sends a refusal to one page, or to all.
+    pub(super) fn refuse(&self, to: Option<PageId>, text: String) {
+        self.news.send(&ServerMessage::Notice {
+            to,
+            refused: true,
+            text: brief(text),
+        });
+    }
+}

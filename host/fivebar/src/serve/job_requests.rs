@@ -1,0 +1,257 @@
+//! Jobs: loaded, checked, run and resumed.
+
+use super::channels::Page;
+use super::controller_thread::{ControllerThread, LoadedJob};
+use super::job_thread::{JobSource, Prepared, Work};
+use super::lease::PageId;
+use super::message::Shift;
+use super::move_feeder::takes_moves;
+use super::parsed_job::ParsedJob;
+use super::preview::{JobStart, nearest};
+use super::requests::{JOINT_SPEED, Refused};
+use fivebar_firmware::{Move, MoveKind};
+use fivebar_sim::path_queue::way_back;
+use std::sync::Arc;
+use std::time::Instant;
+
+impl ControllerThread {
+    pub(super) fn load_job(&mut self, page: &Page, source: JobSource) -> Result<(), Refused> {
+        if self.feeder.is_running() {
+            return Err("A job is running: stop it first.".into());
+        }
+        if !self.rests() {
+            return Err("The arm is moving: stop it or wait until it rests.".into());
+        }
+        self.run_asked_by = None;
+        self.feeder.forget();
+        self.run_on = false;
+        let start = self.preview.start(&self.machine.status);
+        self.jobs.order(Work::Load(page.id, source), start);
+        Ok(())
+    }
+
+    /// Places the loaded drawing elsewhere and checks it there.
+    pub(super) fn place_job(&mut self, shift: Shift) -> Result<(), Refused> {
+        if !self.rests() {
+            return Err("The arm is moving: stop it or wait until it rests.".into());
+        }
+        if self.jobs.is_busy() {
+            return Err("The job is being checked: wait a moment.".into());
+        }
+        let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
+        let job = Arc::clone(&loaded.job);
+        self.feeder.forget();
+        let start = self.preview.start(&self.machine.status);
+        self.jobs.order(Work::Place(job, shift), start);
+        Ok(())
+    }
+
+    /// Has the loaded job checked from the tool's present position.
+    pub(super) fn check_job_again(&mut self) {
+        if let Some(loaded) = &self.loaded {
+            let start = self.preview.start(&self.machine.status);
+            if !self.jobs.is_busy() && loaded.start != start {
+                let job = Arc::clone(&loaded.job);
+                self.jobs.order(Work::Check(job), start);
+            }
+        }
+    }
+
+    /// Starts the job at this line, if all of it can be done from the tool's present position. A job
+    /// that is still read or checked starts afterwards.
+    pub(super) fn run_job(&mut self, page: &Page, line: u32) -> Result<(), Refused> {
+        self.is_ready()?;
+        if self.loaded.is_none() && !self.jobs.is_busy() {
+            return Err("There is no job: load one.".into());
+        }
+        self.check_job_again();
+        if self.jobs.is_busy() {
+            self.run_asked_by = Some((page.id, line));
+            return Ok(());
+        }
+        self.start_job(page.id, line)
+    }
+
+    /// Whether the arm is at rest and takes moves.
+    fn is_ready(&self) -> Result<(), Refused> {
+        if !self.rests() {
+            return Err("The arm is moving: stop it or wait until it rests.".into());
+        }
+        if !takes_moves(self.machine.status.state) {
+            return Err("The arm is not armed: home it, then arm it.".into());
+        }
+        Ok(())
+    }
+
+    fn start_job(&mut self, page: PageId, line: u32) -> Result<(), Refused> {
+        let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
+        if let Some(why) = &loaded.refusal {
+            return Err(format!("The job cannot be done. {why}"));
+        }
+        if !takes_moves(self.machine.status.state) {
+            return Err("The arm is not armed: home it, then arm it.".into());
+        }
+        let start = self.preview.start(&self.machine.status);
+        if !self.rests() || loaded.start != start {
+            return Err("The arm has moved while its job was checked: run it again.".into());
+        }
+        let job = Arc::clone(&loaded.job);
+        let (index, place) = job
+            .at_line(line)
+            .ok_or_else(|| format!("The job has no motion at or behind line {line}."))?;
+        if let Some(why) = start.behind(&job.job, line).differs(start) {
+            return Err(format!("Line {line} is drawn {why}"));
+        }
+        let way = match place.filter(|_| line > 0) {
+            Some(place) if self.jobs.is_time_optimal => {
+                self.order_rest(page, job, index, place);
+                return Ok(());
+            }
+            Some(place) => self.way_to(place)?,
+            None => None,
+        };
+        // From its first line on, the job has its own way to its start.
+        let index = if line > 0 { index } else { 0 };
+        self.feeder.run(job, index, way);
+        self.notice("The job has started.");
+        Ok(())
+    }
+
+    /// Goes on with the job at the place where it was stopped.
+    pub(super) fn resume_job(&mut self, page: &Page) -> Result<(), Refused> {
+        self.is_ready()?;
+        let (job, place, seen) = self.feeder.held().ok_or("No job was stopped: run one.")?;
+        let now = self.preview.start(&self.machine.status);
+        if let Some(why) = self.preview.start(seen).differs(now) {
+            return Err(format!("The job goes on {why}"));
+        }
+        if self.jobs.is_time_optimal {
+            if self.jobs.is_busy() {
+                return Err("The job is being checked: wait a moment.".into());
+            }
+            let (job, part) = (Arc::clone(job), self.feeder.part().unwrap_or_default());
+            self.order_rest(page.id, job, part, place);
+            return Ok(());
+        }
+        let way = self.way_to(place)?;
+        self.feeder.resume(way);
+        self.notice("The job goes on.");
+        Ok(())
+    }
+
+    /// Has the rest of a time-optimal job planned; it starts when it is.
+    fn order_rest(&mut self, page: PageId, job: Arc<ParsedJob>, part: usize, place: [f32; 2]) {
+        let start = self.preview.start(&self.machine.status);
+        self.jobs.order(Work::Rest(job, part, place), start);
+        self.run_asked_by = Some((page, 0));
+    }
+
+    /// Starts the rest of a time-optimal job.
+    fn start_rest(
+        &mut self,
+        job: Result<Arc<ParsedJob>, String>,
+        start: JobStart,
+        place: [f32; 2],
+    ) -> Result<(), Refused> {
+        self.is_ready()?;
+        let job = job.map_err(|why| format!("The rest of the job cannot be done. {why}"))?;
+        if self.preview.start(&self.machine.status) != start {
+            return Err("The arm has moved while its job was planned: ask again.".into());
+        }
+        let way = self.way_to(place)?;
+        self.feeder.run(job, 0, way);
+        self.notice("The job goes on.");
+        Ok(())
+    }
+
+    /// The way to a place of the job [m] with the tool up: straight, or by the joints if a straight
+    /// line would leave the workspace.
+    fn way_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
+        let start = self.preview.start(&self.machine.status);
+        let (Some(from), Some(branch)) = (self.machine.status.reference, start.branch) else {
+            return Err("The arm is not armed: home it, then arm it.".into());
+        };
+        let Some(line) = way_back(from, place, self.machine.settings.motion.max_speed) else {
+            return Ok(None);
+        };
+        let planner = self.preview.planner(start).map_err(|e| e.to_string())?;
+        let [now1, now4] = self.machine.status.angle;
+        let by_joints = self.preview.joints(place, branch).map(|[to1, to4]| {
+            let to = [nearest(to1, now1), nearest(to4, now4)];
+            let speed = JOINT_SPEED;
+            MoveKind::Joint { to, speed }
+        });
+        let (tag, tool) = (0, 0);
+        let ways = [Some(line), by_joints].into_iter().flatten();
+        let mut ways = ways.filter(|&kind| planner.check(from, &Move { tag, tool, kind }).is_ok());
+        let way = ways.next();
+        way.map(Some)
+            .ok_or_else(|| "No way leads to the job's place: move the tool nearer to it.".into())
+    }
+
+    /// Takes a job that was read and checked, and starts it if its page has asked for that.
+    pub(super) fn take_prepared_job(&mut self) {
+        let Some(prepared) = self.jobs.take() else {
+            return;
+        };
+        let asked_by = self.run_asked_by.take();
+        let (start, again) = match prepared {
+            Prepared::Job {
+                job,
+                start,
+                refusal,
+                message,
+                again,
+            } => {
+                self.loaded = Some(LoadedJob {
+                    job,
+                    start,
+                    refusal,
+                });
+                self.news.send_job(message);
+                (start, again)
+            }
+            Prepared::Rest { job, start, place } => {
+                let Some((page, _)) = asked_by.filter(|&(page, _)| self.has_control(page)) else {
+                    return;
+                };
+                if let Err(why) = self.start_rest(job, start, place) {
+                    self.refuse(Some(page), why);
+                }
+                return;
+            }
+            Prepared::Unreadable(message) => {
+                self.loaded = None;
+                self.news.send_job(message);
+                return;
+            }
+            Prepared::NoJob(page, why) => {
+                self.refuse(
+                    Some(page),
+                    format!("The server does not know this request; load the page again ({why})."),
+                );
+                return;
+            }
+        };
+        // The arm may have been homed or moved while the job was read.
+        if !again && (asked_by.is_some() || !start.is_known()) {
+            self.check_job_again();
+        }
+        let Some((page, line)) = asked_by else {
+            return;
+        };
+        if self.jobs.is_busy() {
+            self.run_asked_by = asked_by;
+            return;
+        }
+        if self.has_control(page)
+            && let Err(why) = self.start_job(page, line)
+        {
+            self.refuse(Some(page), why);
+        }
+    }
+
+    fn has_control(&self, page: PageId) -> bool {
+        self.pages.shared.lease.is_held_by(page, Instant::now())
+    }
+}

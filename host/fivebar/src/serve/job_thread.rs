@@ -1,0 +1,310 @@
+//! The thread that reads and checks jobs, so that the controller's thread waits for none.
+
+use super::lease::PageId;
+use super::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
+use super::parsed_job::ParsedJob;
+use super::preview::{JobStart, Preview};
+use fivebar_files::job::{Job, Placement};
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
+use fivebar_sim::time_optimal::JobPlanner;
+use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
+use std::thread;
+use tokio_tungstenite::tungstenite::Utf8Bytes;
+
+impl Shift {
+    /// The same as a placement of the drawing as it is. A drawing becomes neither a point nor
+    /// larger than any arm.
+    fn placement(&self) -> Placement {
+        let centred = Placement {
+            origin: [0.0; 2],
+            scale: self.scale.clamp(1e-3, 1e3),
+            turn: self.turn,
+            home: [0.0; 2],
+        };
+        let [x, y] = centred.place(self.about);
+        let [about, by] = [self.about, self.by];
+        Placement {
+            origin: [about[0] + by[0] - x, about[1] + by[1] - y],
+            ..centred
+        }
+    }
+}
+
+/// What the thread is to do.
+pub(super) enum Work {
+    /// Read a job and check it.
+    Load(PageId, JobSource),
+    /// Place a job elsewhere and check it.
+    Place(Arc<ParsedJob>, Shift),
+    /// Check a job again, because the arm has moved.
+    Check(Arc<ParsedJob>),
+    /// Plan the rest of a time-optimal job from this place [m] on one of its parts on.
+    Rest(Arc<ParsedJob>, usize, [f32; 2]),
+}
+
+/// A job as a page sent it.
+pub(super) enum JobSource {
+    /// Its name and its G-code.
+    Text(String, String),
+    /// A message that was too long to be read where it arrived.
+    Message(Utf8Bytes),
+}
+
+/// The result of the thread's work.
+pub(super) enum Prepared {
+    /// A job that was read and checked.
+    Job {
+        job: Arc<ParsedJob>,
+        /// Where it was checked from.
+        start: JobStart,
+        /// Why it cannot be done from there.
+        refusal: Option<String>,
+        /// The message to the pages.
+        message: Utf8Bytes,
+        /// Whether the job was read earlier and only checked now.
+        again: bool,
+    },
+    /// The rest of a time-optimal job.
+    Rest {
+        job: Result<Arc<ParsedJob>, String>,
+        /// Where the arm was when it was asked for.
+        start: JobStart,
+        /// Where the rest begins [m].
+        place: [f32; 2],
+    },
+    /// The job cannot be read; this tells the pages why.
+    Unreadable(Utf8Bytes),
+    /// The page's message is no job, for this reason.
+    NoJob(PageId, String),
+}
+
+/// Work, its number, and where a job would begin.
+type Order = (u64, Work, JobStart);
+
+/// The thread's one place for work: a later order replaces one that has not begun.
+#[derive(Default)]
+struct Place {
+    order: Mutex<(Option<Order>, bool)>,
+    changed: Condvar,
+}
+
+/// The thread, seen from the controller's.
+pub(super) struct JobThread {
+    place: Arc<Place>,
+    results: mpsc::Receiver<(u64, Prepared)>,
+    /// The number of the last order.
+    last: u64,
+    busy: bool,
+    /// Whether jobs run as time-optimal motions.
+    pub(super) is_time_optimal: bool,
+}
+
+/// What the thread prepares jobs with.
+struct Workshop {
+    robot: Robot,
+    preview: Preview,
+    /// The planner of time-optimal motion; none: the controller plans.
+    planner: Option<JobPlanner>,
+}
+
+impl JobThread {
+    pub(super) fn start(robot: Robot, preview: Preview, planner: Option<JobPlanner>) -> Self {
+        let is_time_optimal = planner.is_some();
+        let workshop = Workshop {
+            robot,
+            preview,
+            planner,
+        };
+        let place = Arc::new(Place::default());
+        let (sender, results) = mpsc::channel();
+        let orders = Arc::clone(&place);
+        thread::spawn(move || {
+            while let Some((number, work, start)) = orders.wait() {
+                let prepared = workshop.prepare(work, start);
+                if sender.send((number, prepared)).is_err() {
+                    return;
+                }
+            }
+        });
+        Self {
+            place,
+            results,
+            last: 0,
+            busy: false,
+            is_time_optimal,
+        }
+    }
+
+    /// Whether an order waits or is being done.
+    pub(super) fn is_busy(&self) -> bool {
+        self.busy
+    }
+
+    /// Gives an order. The results of earlier ones are dropped.
+    pub(super) fn order(&mut self, work: Work, start: JobStart) {
+        self.last += 1;
+        self.busy = true;
+        let replaced = {
+            let mut place = self.place.lock();
+            place.0.replace((self.last, work, start))
+        };
+        drop(replaced);
+        self.place.changed.notify_one();
+    }
+
+    /// The result of the last order, once it is done.
+    pub(super) fn take(&mut self) -> Option<Prepared> {
+        loop {
+            let (number, prepared) = self.results.try_recv().ok()?;
+            if number == self.last {
+                self.busy = false;
+                return Some(prepared);
+            }
+        }
+    }
+}
+
+impl Drop for JobThread {
+    fn drop(&mut self) {
+        *self.place.lock() = (None, true);
+        self.place.changed.notify_one();
+    }
+}
+
+impl Place {
+    fn lock(&self) -> std::sync::MutexGuard<'_, (Option<Order>, bool)> {
+        self.order.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next order; none when the controller's thread has ended.
+    fn wait(&self) -> Option<Order> {
+        let mut place = self.lock();
+        loop {
+            if place.1 {
+                return None;
+            }
+            if let Some(order) = place.0.take() {
+                return Some(order);
+            }
+            place = self
+                .changed
+                .wait(place)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+impl Workshop {
+    fn prepare(&self, work: Work, start: JobStart) -> Prepared {
+        let again = matches!(work, Work::Check(_));
+        let mut refusal = None;
+        let mut parsed = |old: &Arc<ParsedJob>, job: Job| match self.parsed(&old.name, job, start) {
+            Ok(job) => Arc::new(job),
+            Err(why) => {
+                refusal = Some(brief(why));
+                Arc::clone(old)
+            }
+        };
+        let job = match work {
+            // The moves of a change of the working mode depend on where the arm is.
+            Work::Check(job) if job.job.first_change_of_mode().is_some() => {
+                parsed(&job, (*job.job).clone())
+            }
+            Work::Check(job) => job,
+            Work::Place(job, shift) => parsed(&job, job.job.moved(&shift.placement())),
+            Work::Rest(job, part, place) => {
+                let from = start.at(place);
+                let rest = job.rest(part, place);
+                let planned = self.planner.as_ref().map_or_else(
+                    || Err("The server plans no motion.".into()),
+                    |planner| rest.planned(planner, &self.preview, from),
+                );
+                return Prepared::Rest {
+                    job: planned.map(Arc::new),
+                    start,
+                    place,
+                };
+            }
+            Work::Load(page, source) => match self.load(page, source, start) {
+                Ok(job) => Arc::new(job),
+                Err(unreadable) => return unreadable,
+            },
+        };
+        let mut message = self.preview.job(&job.name, &job.job, &job.moves, start);
+        message.refusal = message.refusal.or(refusal);
+        let job = match &self.planner {
+            Some(planner) if message.refusal.is_none() => {
+                match job.planned(planner, &self.preview, start) {
+                    Ok(planned) => Arc::new(planned),
+                    Err(why) => {
+                        message.refusal = Some(brief(why));
+                        job
+                    }
+                }
+            }
+            _ => job,
+        };
+        Prepared::Job {
+            message: ServerMessage::Job(&message).json(),
+            refusal: message.refusal,
+            job,
+            start,
+            again,
+        }
+    }
+
+    fn scenario(&self, name: &str, text: String) -> Scenario {
+        Scenario::new(name, self.robot.clone(), name, text)
+    }
+
+    /// Reads a job; or else what the pages get to know.
+    fn load(
+        &self,
+        page: PageId,
+        source: JobSource,
+        start: JobStart,
+    ) -> Result<ParsedJob, Prepared> {
+        let (name, text) = match source {
+            JobSource::Text(name, text) => (name, text),
+            JobSource::Message(message) => match serde_json::from_str(&message) {
+                Ok(ClientRequest::Load { name, text }) => (name, text),
+                Ok(_) => return Err(Prepared::NoJob(page, "it is too long".into())),
+                Err(error) => return Err(Prepared::NoJob(page, brief(error.to_string()))),
+            },
+        };
+        let name = brief(name);
+        match self.scenario(&name, text).job() {
+            Ok(job) => {
+                let parsed = self.parsed(&name, job, start);
+                parsed.map_err(|why| unreadable(name, why))
+            }
+            Err(error) => Err(unreadable(name, error.to_string())),
+        }
+    }
+
+    /// The moves of a job that was read, for the arm where it is; why it has none.
+    fn parsed(&self, name: &str, job: Job, start: JobStart) -> Result<ParsedJob, String> {
+        let scenario = self.scenario(name, String::new());
+        let mode = start.branch.map(|branch| branch.mode());
+        let mode = mode.unwrap_or_else(|| self.robot.working_mode());
+        let assembly = start.branch.map(|branch| branch.assembly);
+        match scenario.moves_in(mode, assembly, &job) {
+            Ok(moves) => Ok(ParsedJob::new(name.into(), job, moves)),
+            Err(refused) => {
+                let mut sentence = format!("{refused}.");
+                sentence[..1].make_ascii_uppercase();
+                Err(sentence)
+            }
+        }
+    }
+}
+
+fn unreadable(name: String, why: String) -> Prepared {
+    let message = JobMessage {
+        name,
+        refusal: Some(brief(why)),
+        ..JobMessage::default()
+    };
+    Prepared::Unreadable(ServerMessage::Job(&message).json())
+}

@@ -1,0 +1,182 @@
+//! The live page: browsers show an arm and control it through its controller.
+//!
+//! One thread, the `ControllerThread`, is the host of the controller. The controller runs
+//! in this process with a simulated arm in real time, on an emulated board, or on a board
+//! behind a serial port. Pages connect by websocket. Their requests go to the controller as
+//! host commands, so that all limits and refusals are the controller's own. One page holds
+//! the control lease; the others watch, and any page may stop the arm. The thread sends to
+//! the controller only while the page in control shows signs of life. Otherwise the
+//! controller's command timeout brings the arm to rest.
+//!
+//! Threads share the work, so that none delays a stop: one for each page, which reads what it sends;
+//! the controller's, which waits for the controller only; one that reads and checks jobs; one that
+//! plans changes of the working mode; one that passes news on to the pages; and the web server's, which
+//! admits pages. Stops and signs of
+//! life pass from a page's thread to the controller's through atomic numbers, past the queue of
+//! requests. What a page sends costs its own thread's time only, because the system shares the
+//! processor between threads.
+//!
+//! | module | content |
+//! |---|---|
+//! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
+//! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
+//! | `requests`, `job_requests` | what each request of a page does; refusals as sentences |
+//! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
+//! | `mode_thread` | the thread that plans changes of the working mode |
+//! | `preview`, `strokes` | the arm and its jobs as lines to draw |
+//! | `stop_signal`, `stops` | stops, on a path past every queue; what they do |
+//! | `lease` | which page is in control, and whether it is alive |
+//! | `channels` | what else passes between pages and controller |
+//! | `news` | what the controller's thread tells the pages, without waiting for them |
+//! | `message` | the messages between pages and server |
+//! | `accept`, `guard` | limits of connections; which web requests are served |
+//! | `web` | the page's files and the way to a websocket |
+//! | `socket`, `frame_meter`, `backlog`, `rate` | the exchange with a page, and its limits |
+//! | `commission` | the guided page of a commissioning, in place of the arm's |
+//! | `heard` | the exchange with a page whose bytes are known, for tests and the fuzzer |
+
+mod accept;
+mod arm;
+mod backlog;
+mod channels;
+pub(super) mod commission;
+mod controller_thread;
+mod frame_meter;
+mod guard;
+#[cfg(any(test, fuzzing))]
+pub mod heard;
+mod job_requests;
+mod job_thread;
+mod lease;
+mod maps;
+mod message;
+mod mode_thread;
+mod move_feeder;
+mod news;
+mod parsed_job;
+mod preview;
+#[cfg(test)]
+mod random_messages;
+mod rate;
+mod requests;
+mod socket;
+mod stop_signal;
+mod stops;
+mod strokes;
+mod web;
+
+pub use guard::Guard;
+
+use crate::bridge::{BridgeError, BridgeOptions, Endpoints, Seat};
+use controller_thread::ControllerThread;
+use fivebar_design::workspace::GridError;
+use fivebar_files::robot::{HomeError, Robot, WorkspaceError};
+use fivebar_sim::controller::{ControllerSource, OpenError, open};
+use fivebar_sim::link::LinkError;
+use fivebar_sim::simulation::RunError;
+use fivebar_sim::time_optimal::{JobPlanner, TimeOptimalError};
+use news::News;
+use std::io;
+use std::net::SocketAddr;
+
+/// Why the page cannot be served.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ServeError {
+    /// The server cannot listen on the address.
+    #[error("cannot listen on {address}: {source}; choose another address with --listen")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// Senders cannot connect.
+    #[error("senders: {0}")]
+    Senders(#[from] Box<BridgeError>),
+    /// The web server failed.
+    #[error("the web server failed: {0}")]
+    Web(#[from] io::Error),
+    /// The robot cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] RunError),
+    /// The arm cannot be commissioned.
+    #[error("{0}")]
+    Commission(String),
+    /// The robot has no home pose.
+    #[error(transparent)]
+    HomeError(#[from] HomeError),
+    /// The robot's workspace cannot be mapped.
+    #[error(transparent)]
+    WorkspaceError(#[from] WorkspaceError),
+    /// The grid of the map cannot be made.
+    #[error("the robot's workspace: {0}")]
+    Grid(#[from] GridError),
+    /// Jobs of this robot cannot be planned time-optimally.
+    #[error("--time-optimal: {0}")]
+    TimeOptimal(#[from] TimeOptimalError),
+    /// The controller cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// The controller does not reply.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+}
+
+/// How the page is served.
+pub struct ServeOptions<'a> {
+    /// The address to listen on.
+    pub address: SocketAddr,
+    /// Which requests are served.
+    pub guard: Guard,
+    /// Senders of G-code, if they may move the arm.
+    pub senders: Option<&'a BridgeOptions>,
+    /// Run jobs as time-optimal motions with this share of the torque limits, 0 to 1; none: the
+    /// controller plans them.
+    pub time_optimal: Option<f64>,
+}
+
+/// Serves the page, and senders of G-code if they are asked for, until `ends` returns
+/// true or the connection to the controller fails. Calls `ready` with the addresses as soon as pages
+/// are served.
+///
+/// # Errors
+/// The address or the port cannot be opened, the robot cannot be simulated, or its jobs cannot be
+/// planned, or the controller has settings for another arm or does not reply.
+pub fn serve(
+    robot: &Robot,
+    source: ControllerSource<'_>,
+    options: ServeOptions<'_>,
+    ready: impl FnOnce(SocketAddr, Option<&Endpoints>),
+    ends: impl Fn() -> bool + Send + 'static,
+) -> Result<(), ServeError> {
+    let address = options.address;
+    let planner = options
+        .time_optimal
+        .map(|share| JobPlanner::new(robot, share));
+    let planner = planner.transpose()?;
+    let listener = accept::listen(address);
+    let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
+    let opened = open(robot, source)?;
+    let arm = arm::describe(robot, &opened.place)?;
+    let maps = maps::describe(robot, opened.settings.assembly())?;
+    let (seat, endpoints) = match options.senders {
+        Some(senders) => {
+            let (seat, endpoints) = Seat::listen(senders, &opened.place).map_err(Box::new)?;
+            (seat, Some(endpoints))
+        }
+        None => (Seat::empty(), None),
+    };
+    let (pages, controller_end, to_pages) = channels::channels();
+    let news = News::start(to_pages);
+    let machine =
+        ControllerThread::new(opened, seat, robot.clone(), planner, controller_end, news)?;
+    ready(listener.local_addr()?, endpoints.as_ref());
+    let site = web::Site {
+        guard: options.guard,
+        pages,
+        arm,
+        maps,
+    };
+    web::run(listener, site, Box::new(move || machine.run(&ends)))
+}

@@ -1,0 +1,361 @@
+//! The moves that wait for the controller: a job, or the latest target.
+
+use super::parsed_job::ParsedJob;
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{Move, MoveKind, Status};
+use fivebar_sim::path_queue::{PathQueue, Shares};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Moves of the job that wait in the queue.
+const WAITING: usize = 4;
+/// Time of a job after which its pace is known [s].
+const MEASURED: f64 = 1.0;
+
+/// Gives the controller a move whenever its queue has room.
+#[derive(Default)]
+pub(super) struct MoveFeeder {
+    /// The running job, or one that was stopped and keeps its place.
+    job: Option<RunningJob>,
+    /// Its moves on their way. Their own tags are their numbers in the job, from 1.
+    path: PathQueue,
+    /// The moves to the next target; they are sent as soon as the queue is nearly empty.
+    target: VecDeque<MoveKind>,
+    /// The end of the last accepted target; none: the arm's present reference.
+    end: Option<MoveEnd>,
+    /// How many moves the controller's empty queue takes.
+    empty: u8,
+    /// The tick since which the controller has had no moves.
+    idle_since: Option<u32>,
+}
+
+/// A job and how much of it is on its way.
+struct RunningJob {
+    job: Arc<ParsedJob>,
+    /// The number of its moves that were put on their way.
+    sent: usize,
+    phase: JobPhase,
+    /// Where the tool should have been when the job was last seen to go on [m].
+    place: Option<[f32; 2]>,
+    /// The tick in which it began or went on, and the time of the job that had passed [s].
+    begun: Option<(u32, f64)>,
+    /// The tick in which it was last seen to go on.
+    seen: u32,
+    /// The arm when it was last seen to go on outside of a crossing.
+    arm: Option<Status>,
+}
+
+/// What happens to a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum JobPhase {
+    /// It runs.
+    Fed,
+    /// The controller follows the moves that it has and gets no more.
+    Left,
+    /// It is stopped while the arm crosses: its place is where the crossing ends.
+    Crossing,
+    /// It rests, or comes to rest, at its place.
+    Held,
+}
+
+/// The end of a move, as it was requested.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum MoveEnd {
+    /// The tool's position [m].
+    Tool([f32; 2]),
+    /// θ1, θ4 [rad].
+    Joints([f32; 2]),
+}
+
+impl MoveEnd {
+    /// The end of a move; none for a dwell.
+    fn of(kind: &MoveKind) -> Option<Self> {
+        match *kind {
+            MoveKind::Line { to, .. } | MoveKind::Arc { to, .. } => Some(Self::Tool(to)),
+            MoveKind::Timed(timed) => Some(Self::Tool(timed.end())),
+            MoveKind::Crossing(plan) => Some(Self::Tool(plan.to)),
+            MoveKind::Joint { to, .. } => Some(Self::Joints(to)),
+            MoveKind::Dwell { .. } => None,
+        }
+    }
+}
+
+/// How the job has changed since the last update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum JobStatus {
+    /// The job continues, or there is none.
+    Unchanged,
+    /// The job is done.
+    Finished,
+    /// The controller no longer accepts moves: the job waits at its place.
+    Held,
+}
+
+impl MoveFeeder {
+    pub(super) fn is_running(&self) -> bool {
+        let job = self.job.as_ref();
+        job.is_some_and(|job| job.phase == JobPhase::Fed)
+    }
+
+    /// The line of the job at which it goes on; none if no job was begun.
+    pub(super) fn line(&self) -> Option<u32> {
+        let run = self.job.as_ref()?;
+        let number = self.path.present().map_or(run.sent, |tag| tag as usize);
+        Some(run.job.pieces.get(number.saturating_sub(1))?.tag)
+    }
+
+    /// The job that was stopped, the place at which it goes on [m], and the arm on the branch on which
+    /// it does.
+    pub(super) fn held(&self) -> Option<(&Arc<ParsedJob>, [f32; 2], &Status)> {
+        let run = self.job.as_ref()?;
+        (run.phase != JobPhase::Fed).then_some((&run.job, run.place?, run.arm.as_ref()?))
+    }
+
+    /// The part of the job at which it goes on; none if no job was begun.
+    pub(super) fn part(&self) -> Option<usize> {
+        let run = self.job.as_ref()?;
+        let number = self.path.present().map_or(run.sent, |tag| tag as usize - 1);
+        Some(run.job.part(number))
+    }
+
+    /// The time of the job that has passed, and its whole time, both at its feed rates [s].
+    pub(super) fn progress(&self) -> Option<[f64; 2]> {
+        let run = self.job.as_ref()?;
+        let number = self.path.present().map_or(run.sent, |tag| tag as usize - 1);
+        let passed = number
+            .checked_sub(1)
+            .map_or(0.0, |last| run.job.times[last]);
+        let done = run.job.done;
+        Some([done + passed, done + *run.job.times.last()?])
+    }
+
+    /// The time that the running job still takes [s]: as long as its moves at their feed rates, and
+    /// longer by as much as it was so far.
+    pub(super) fn left(&self, tick_rate: f64) -> Option<f64> {
+        let run = self.job.as_ref().filter(|_| self.is_running())?;
+        let [passed, all] = self.progress()?;
+        let mut longer = 1.0 / f64::from(self.feed());
+        if let Some((tick, before)) = run.begun.filter(|(_, before)| passed - before > MEASURED) {
+            let took = f64::from(run.seen.wrapping_sub(tick)) / tick_rate;
+            longer = took / (passed - before);
+        }
+        Some((all - passed) * longer)
+    }
+
+    /// Chooses the share of the job's feed rates.
+    pub(super) fn set_feed(&mut self, share: f32) {
+        let shares = self.path.shares();
+        self.path.set_shares(Shares {
+            feed: share,
+            ..shares
+        });
+    }
+
+    /// The share of the job's feed rates.
+    pub(super) fn feed(&self) -> f32 {
+        self.path.shares().feed
+    }
+
+    /// Starts a job at the move with this index. `way` leads to its start with the tool up.
+    pub(super) fn run(&mut self, job: Arc<ParsedJob>, index: usize, way: Option<MoveKind>) {
+        self.target.clear();
+        self.path.clear();
+        if let Some(kind) = way {
+            let tag = index as u32 + 1;
+            self.path.push(&[Move { tag, tool: 0, kind }]);
+        }
+        self.job = Some(RunningJob {
+            job,
+            sent: index,
+            phase: JobPhase::Fed,
+            place: None,
+            begun: None,
+            seen: 0,
+            arm: None,
+        });
+        self.fill();
+    }
+
+    /// Goes on with the job that was stopped. `way` leads to its place with the tool up.
+    pub(super) fn resume(&mut self, way: Option<MoveKind>) {
+        self.target.clear();
+        if let Some(run) = &mut self.job
+            && let Some(place) = run.place
+        {
+            run.phase = JobPhase::Fed;
+            run.begun = None;
+            self.path.resume_from(place, way);
+        }
+        self.fill();
+    }
+
+    /// Puts moves of the job on their way.
+    fn fill(&mut self) {
+        let Some(run) = self.job.as_mut().filter(|run| run.phase == JobPhase::Fed) else {
+            return;
+        };
+        while self.path.waiting() < WAITING
+            && let Some(next) = run.job.pieces.get(run.sent)
+        {
+            run.sent += 1;
+            let tag = run.sent as u32;
+            self.path.push(&[Move { tag, ..*next }]);
+        }
+    }
+
+    /// Replaces a target that the controller has not accepted yet.
+    pub(super) fn set_target(&mut self, target: MoveKind) {
+        self.set_way([target]);
+    }
+
+    /// Replaces a target that the controller has not accepted yet by several moves to one.
+    pub(super) fn set_way(&mut self, moves: impl IntoIterator<Item = MoveKind>) {
+        self.target = moves.into_iter().collect();
+    }
+
+    /// Whether no target waits, and the arm is where the last one led.
+    pub(super) fn has_no_target(&self) -> bool {
+        self.target.is_empty() && self.end.is_none()
+    }
+
+    /// The point at which the next move begins; none: the arm's present reference.
+    pub(super) fn end(&self) -> Option<MoveEnd> {
+        self.target.back().and_then(MoveEnd::of).or(self.end)
+    }
+
+    /// Drops the target, and stops the job at its place.
+    pub(super) fn stop(&mut self) {
+        self.drop_target();
+        if let Some(run) = &mut self.job {
+            run.phase = match self.path.crossing() {
+                Some(_) if run.phase != JobPhase::Held => JobPhase::Crossing,
+                _ => JobPhase::Held,
+            };
+        }
+    }
+
+    /// Drops the target; the job gets no more moves, and its place is where the arm comes to rest.
+    pub(super) fn leave(&mut self) {
+        self.drop_target();
+        if let Some(run) = self.job.as_mut().filter(|run| run.phase == JobPhase::Fed) {
+            run.phase = JobPhase::Left;
+        }
+    }
+
+    pub(super) fn drop_target(&mut self) {
+        self.target.clear();
+        self.end = None;
+    }
+
+    /// Forgets the job and its place.
+    pub(super) fn forget(&mut self) {
+        self.job = None;
+        self.path.clear();
+    }
+
+    /// Follows the arm along the job, up to a stop or a fault.
+    pub(super) fn follow(&mut self, status: &Status) -> JobStatus {
+        let Some(run) = self.job.as_mut().filter(|run| run.phase != JobPhase::Held) else {
+            return JobStatus::Unchanged;
+        };
+        if !follows_moves(status.state) {
+            let before = std::mem::replace(&mut run.phase, JobPhase::Held);
+            self.drop_target();
+            return match before {
+                JobPhase::Crossing => JobStatus::Unchanged,
+                _ => JobStatus::Held,
+            };
+        }
+        run.seen = status.tick;
+        if let Some(tag) = status.tag {
+            self.path.progress(tag);
+        }
+        if status.state == State::Crossing {
+            // After a fault on the way it begins once more.
+            run.place = self.path.crossing().map(|plan| plan.from).or(run.place);
+        } else {
+            run.place = status.reference.or(run.place);
+            run.arm = Some(*status);
+            if run.phase == JobPhase::Crossing {
+                run.phase = JobPhase::Held;
+            }
+        }
+        let passed = self.progress().map_or(0.0, |[passed, _]| passed);
+        if let Some(run) = &mut self.job {
+            run.begun.get_or_insert((status.tick, passed));
+        }
+        JobStatus::Unchanged
+    }
+
+    /// Updates the job from the controller's status and its room for further moves.
+    pub(super) fn update(&mut self, status: &Status, room: u8) -> JobStatus {
+        self.empty = self.empty.max(room);
+        if self.follow(status) == JobStatus::Held {
+            return JobStatus::Held;
+        }
+        if !follows_moves(status.state) {
+            self.drop_target();
+            return JobStatus::Unchanged;
+        }
+        if self.is_idle(status, room) {
+            self.end = None;
+            if self.is_running() {
+                self.path.finish();
+                if self.path.is_empty() {
+                    self.job = None;
+                    return JobStatus::Finished;
+                }
+            }
+        }
+        self.fill();
+        JobStatus::Unchanged
+    }
+
+    /// Whether all moves are done. Between two ticks a queue may be empty although its
+    /// last segment has not begun, so the moves are done if this holds in two different ticks.
+    fn is_idle(&mut self, status: &Status, room: u8) -> bool {
+        if status.state != State::Armed || room != self.empty {
+            self.idle_since = None;
+            return false;
+        }
+        *self.idle_since.get_or_insert(status.tick) != status.tick
+    }
+
+    /// The move to send now, if there is one.
+    pub(super) fn next(&self, room: u8) -> Option<Move> {
+        if self.is_running() {
+            return self.path.next().filter(|_| room > 0);
+        }
+        // A target waits until the queue is nearly empty, so that the latest one is sent.
+        let kind = *self.target.front().filter(|_| room + 1 >= self.empty)?;
+        let (tag, tool) = (0, 0);
+        Some(Move { tag, tool, kind })
+    }
+
+    /// Records that the controller has accepted the move.
+    pub(super) fn taken(&mut self, next: &Move) {
+        if self.is_running() {
+            self.path.accept();
+            self.fill();
+        } else {
+            self.target.pop_front();
+        }
+        self.end = MoveEnd::of(&next.kind).or(self.end);
+        self.idle_since = None;
+    }
+
+    /// Records that the controller has refused the move: the job gets no more.
+    pub(super) fn refused(&mut self) {
+        self.leave();
+    }
+}
+
+/// Whether a controller in this state is on its way along the moves that it has, or takes some.
+fn follows_moves(state: State) -> bool {
+    takes_moves(state) || state == State::Crossing
+}
+
+/// Whether a controller in this state accepts moves.
+pub(super) fn takes_moves(state: State) -> bool {
+    matches!(state, State::Armed | State::Running)
+}

@@ -1,0 +1,322 @@
+//! Turns the requests of pages into host commands, targets and jobs, or into a refusal.
+
+use super::channels::{Event, EventKind, Page};
+use super::controller_thread::ControllerThread;
+use super::job_thread::JobSource;
+use super::lease::PageId;
+use super::message::{ClientRequest, ControllerRequest, DrivenJoint};
+use super::move_feeder::{MoveEnd, takes_moves};
+use super::preview::nearest;
+use super::stop_signal::Stop;
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{MoveKind, Request};
+use fivebar_kinematics::five_bar::Side;
+use fivebar_sim::link::LinkError;
+use std::time::{Duration, Instant};
+
+/// Speed of joint moves, as a share of the joints' greatest speed.
+pub(super) const JOINT_SPEED: f32 = 0.4;
+
+/// After a fault is cleared the bridges stay off for this time, so that quick clicks, or messages,
+/// that clear it do not go on to move the arm.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// Why a request is refused, as a sentence.
+pub(super) type Refused = String;
+
+impl ClientRequest {
+    /// Whether a stop cancels the request if it still waits.
+    fn ends_with_a_stop(&self) -> bool {
+        match self {
+            Self::Alive
+            | Self::Control
+            | Self::Load { .. }
+            | Self::Place(_)
+            | Self::RunOn(_)
+            | Self::Feed(_) => false,
+            Self::Request(_)
+            | Self::Jog(_)
+            | Self::Follow(_)
+            | Self::JogJoint { .. }
+            | Self::Turn { .. }
+            | Self::Mode(_)
+            | Self::Run
+            | Self::RunFrom(_)
+            | Self::Resume => true,
+        }
+    }
+}
+
+impl ControllerThread {
+    /// Handles an event of a page. What a page asked for before it was lost is dropped, and so
+    /// is what could move the arm and was asked for before the last stop. Returns whether the
+    /// controller was asked.
+    pub(super) fn handle_event(&mut self, event: Event) -> Result<bool, LinkError> {
+        let Event {
+            page,
+            kind,
+            received,
+            stops,
+            ..
+        } = event;
+        if !page.is_connected() {
+            return Ok(false);
+        }
+        let now = Instant::now();
+        let in_control = self.pages.shared.lease.is_held_by(page.id, now);
+        let outcome = match kind {
+            EventKind::Joined => {
+                // After a page is lost, a moving arm comes to rest before another page may
+                // get control without asking, unless its job runs on.
+                if (self.rests() || self.runs_on()) && !self.pages.shared.lease.is_alive(now) {
+                    let lease = &self.pages.shared.lease;
+                    lease.acquire(&page, received, now, false);
+                }
+                if let Some(warning) = self.machine.warning.clone() {
+                    self.refuse(Some(page.id), warning);
+                }
+                Ok(())
+            }
+            EventKind::LongMessage(message) if in_control => {
+                self.load_job(&page, JobSource::Message(message))
+            }
+            EventKind::LongMessage(_) => Err("This page watches: take control first.".into()),
+            EventKind::Request(request) => {
+                if stops < self.pages.shared.stop.count() && request.ends_with_a_stop() {
+                    return Ok(false);
+                }
+                if self.machine.is_taken() && !matches!(request, ClientRequest::Alive) {
+                    let why = "A sender of G-code is in control: disconnect it first.";
+                    self.report(&page, Err(why.into()));
+                    return Ok(false);
+                }
+                if let ClientRequest::Request(wanted) = request
+                    && in_control
+                {
+                    let outcome = self.request(&page, wanted)?;
+                    self.report(&page, outcome);
+                    return Ok(true);
+                }
+                self.handle_request(&page, received, in_control, request)
+            }
+        };
+        self.report(&page, outcome);
+        Ok(false)
+    }
+
+    fn report(&self, page: &Page, outcome: Result<(), Refused>) {
+        if let Err(why) = outcome {
+            self.refuse(Some(page.id), why);
+        }
+    }
+
+    fn handle_request(
+        &mut self,
+        page: &Page,
+        received: Instant,
+        in_control: bool,
+        request: ClientRequest,
+    ) -> Result<(), Refused> {
+        match request {
+            ClientRequest::Alive => Ok(()),
+            ClientRequest::Control => self.give_control(page, received),
+            _ if !in_control => Err("This page watches: take control first.".into()),
+            // `handle_event` has asked the controller.
+            ClientRequest::Request(_) => Ok(()),
+            ClientRequest::RunOn(on) => {
+                self.run_on = on;
+                Ok(())
+            }
+            ClientRequest::Feed(share) if self.jobs.is_time_optimal && share > 1.0 => Err(
+                "The job is as fast as the arm's torque allows: choose 100 % of its speed or less."
+                    .into(),
+            ),
+            ClientRequest::Feed(share) => {
+                self.feeder.set_feed(single(share));
+                Ok(())
+            }
+            _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
+            ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
+            ClientRequest::Place(shift) => self.place_job(shift),
+            ClientRequest::Run => self.run_job(page, 0),
+            ClientRequest::RunFrom(line) => self.run_job(page, line),
+            ClientRequest::Resume => self.resume_job(page),
+            _ if self.machine.status.state == State::Crossing => {
+                Err("The arm crosses a singularity: wait until it rests.".into())
+            }
+            _ if !takes_moves(self.machine.status.state) => {
+                Err("The arm is not armed: home it, then arm it.".into())
+            }
+            _ if self.run_asked_by.is_some() => {
+                Err("The job is being checked: wait, or stop.".into())
+            }
+            ClientRequest::Jog(by) => self.jog(by.map(single)),
+            ClientRequest::Follow(to) => {
+                self.move_tool(to.map(single));
+                Ok(())
+            }
+            ClientRequest::JogJoint { joint, by } => {
+                self.move_joint(joint, |angle| angle + single(by))
+            }
+            ClientRequest::Turn { joint, to } => self.move_joint(joint, |_| single(to)),
+            ClientRequest::Mode(elbows) => {
+                self.change_mode(page.id, elbows);
+                Ok(())
+            }
+        }
+    }
+
+    fn give_control(&mut self, page: &Page, received: Instant) -> Result<(), Refused> {
+        let lease = &self.pages.shared.lease;
+        let before = lease.holder();
+        if !lease.acquire(page, received, Instant::now(), self.rests()) {
+            return Err(
+                "Another page is in control of a moving arm: stop the arm, then take control."
+                    .into(),
+            );
+        }
+        if before != Some(page.id) && !self.rests() && !self.runs_on() {
+            // The path of the lost page is not this page's.
+            self.pages.shared.stop.raise(Stop::OnPath, page.id);
+        }
+        if before.is_some_and(|before| before != page.id) {
+            self.refuse(before, "Another page has taken control.".into());
+        }
+        Ok(())
+    }
+
+    fn request(
+        &mut self,
+        page: &Page,
+        wanted: ControllerRequest,
+    ) -> Result<Result<(), Refused>, LinkError> {
+        let request: Request = match wanted.kind() {
+            Err(request) => request,
+            // The web server does not queue stops.
+            Ok(stop) => {
+                self.pages.shared.stop.raise(stop, page.id);
+                return Ok(Ok(()));
+            }
+        };
+        let powers = matches!(request, Request::Arm | Request::Home);
+        if powers && self.cleared.is_some_and(|at| at.elapsed() < PAUSE) {
+            return Ok(Err(
+                "A fault was cleared a moment ago: look at the arm, wait a second, then ask again."
+                    .into(),
+            ));
+        }
+        let answer = self.ask_controller(request)?;
+        if request == Request::ClearFault && answer.is_ok() {
+            self.cleared = Some(Instant::now());
+        }
+        Ok(answer)
+    }
+
+    fn jog(&mut self, [dx, dy]: [f32; 2]) -> Result<(), Refused> {
+        let [x, y] = self
+            .tool_end()
+            .ok_or("The arm is not armed: home it, then arm it.")?;
+        self.move_tool([x + dx, y + dy]);
+        Ok(())
+    }
+
+    fn move_tool(&mut self, to: [f32; 2]) {
+        let feed = self.machine.settings.motion.max_speed;
+        self.feeder.set_target(MoveKind::Line { to, feed });
+    }
+
+    /// Turns one joint, from the angles at which the next move begins; the other stays.
+    fn move_joint(
+        &mut self,
+        joint: DrivenJoint,
+        to: impl FnOnce(f32) -> f32,
+    ) -> Result<(), Refused> {
+        let mut angles = self
+            .joints_end()
+            .ok_or("The arm is not armed: home it, then arm it.")?;
+        let [theta1, theta4] = &mut angles;
+        let angle = match joint {
+            DrivenJoint::Theta1 => theta1,
+            DrivenJoint::Theta4 => theta4,
+        };
+        *angle = to(*angle);
+        self.move_joints(angles);
+        Ok(())
+    }
+
+    /// Remembers the working mode that a page wants until the arm rests and its way is planned.
+    fn change_mode(&mut self, page: PageId, elbows: [Side; 2]) {
+        self.mode_wanted = Some((page, elbows));
+    }
+
+    /// Has the ways to other working modes planned where the arm rests, and goes the one that a page
+    /// wants.
+    pub(super) fn change_mode_if_wanted(&mut self) {
+        let status = &self.machine.status;
+        let rests = status.state == State::Armed && self.feeder.has_no_target();
+        let pose = self
+            .preview
+            .start(status)
+            .branch
+            .zip(status.joint_reference);
+        let pose = pose.filter(|_| rests && !self.feeder.is_running());
+        self.modes
+            .look(pose.map(|(branch, joints)| (joints.angle, branch)));
+        let Some((page, elbows)) = self.mode_wanted else {
+            return;
+        };
+        if !takes_moves(self.machine.status.state) || self.feeder.is_running() {
+            self.mode_wanted = None;
+            return;
+        }
+        match self.modes.way(elbows) {
+            None => return,
+            Some(Ok(corners)) => {
+                let speed = JOINT_SPEED;
+                let moves = corners.into_iter();
+                self.feeder
+                    .set_way(moves.map(|to| MoveKind::Joint { to, speed }));
+            }
+            Some(Err(why)) => self.refuse(Some(page), why),
+        }
+        self.mode_wanted = None;
+    }
+
+    fn move_joints(&mut self, angles: [f32; 2]) {
+        let [to1, to4] = angles;
+        let [now1, now4] = self.machine.status.angle;
+        self.feeder.set_target(MoveKind::Joint {
+            to: [nearest(to1, now1), nearest(to4, now4)],
+            speed: JOINT_SPEED,
+        });
+    }
+
+    /// The position of the tool after all pending moves [m].
+    fn tool_end(&self) -> Option<[f32; 2]> {
+        match self.feeder.end() {
+            Some(MoveEnd::Tool(tool)) => Some(tool),
+            Some(MoveEnd::Joints(angles)) => {
+                let pose = self.preview.pose(&self.machine.status)?;
+                self.preview.tool_at(angles, pose.assembly())
+            }
+            None => self.machine.status.reference,
+        }
+    }
+
+    /// θ1, θ4 after all pending moves [rad], in the present working mode.
+    fn joints_end(&self) -> Option<[f32; 2]> {
+        match self.feeder.end() {
+            Some(MoveEnd::Tool(tool)) => {
+                let pose = self.preview.pose(&self.machine.status)?;
+                self.preview.joints(tool, self.preview.branch(&pose))
+            }
+            Some(MoveEnd::Joints(angles)) => Some(angles),
+            None => Some(self.machine.status.joint_reference?.angle),
+        }
+    }
+}
+
+/// A page's number in the controller's precision; infinite if it is too large.
+pub(super) fn single(value: f64) -> f32 {
+    value as f32
+}

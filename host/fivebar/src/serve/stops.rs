@@ -1,0 +1,90 @@
+//! What the stops do that pages ask for.
+
+use super::controller_thread::ControllerThread;
+use super::lease::PageId;
+use super::message::ServerMessage;
+use super::move_feeder::JobStatus;
+use super::stop_signal::Stop;
+use fivebar_firmware::Request;
+use fivebar_firmware::protocol::HostCommand;
+use fivebar_firmware::safety::State;
+use fivebar_sim::controller::sentence;
+use fivebar_sim::link::LinkError;
+
+impl ControllerThread {
+    /// Does the stops that pages have asked for; returns whether there was one.
+    pub(super) fn stop_if_asked(&mut self) -> Result<bool, LinkError> {
+        let mut asked = false;
+        for _ in 0..Stop::KINDS {
+            let Some((stop, page)) = self.pages.shared.stop.take() else {
+                break;
+            };
+            asked = true;
+            match stop {
+                Stop::Emergency => self.emergency_stop()?,
+                Stop::OnPath => self.stop_on_path(page)?,
+            }
+        }
+        Ok(asked)
+    }
+
+    /// Has the controller latch the emergency stop, whatever it does and whoever is in control, and
+    /// confirms it to the pages. They ask again until it is confirmed.
+    fn emergency_stop(&mut self) -> Result<(), LinkError> {
+        let refusal = self.ask_controller(Request::EmergencyStop)?.err();
+        if self.machine.is_taken() {
+            self.machine.emergency_stop()?;
+        } else {
+            self.drop_what_pages_asked_for();
+        }
+        let (status, _) = self.machine.client.status()?;
+        match refusal {
+            Some(refusal) => self.refuse(None, refusal),
+            None if status.fault.is_none() => self.refuse(None, "No fault is latched.".into()),
+            None => self.news.send(&ServerMessage::Stopped(Stop::Emergency)),
+        }
+        Ok(())
+    }
+
+    fn stop_on_path(&mut self, page: PageId) -> Result<(), LinkError> {
+        if self.machine.is_taken() {
+            return self.machine.hold();
+        }
+        self.drop_what_pages_asked_for();
+        match self.ask_controller(Request::Stop)? {
+            Ok(()) => self.news.send(&ServerMessage::Stopped(Stop::OnPath)),
+            Err(refusal) => self.refuse(Some(page), refusal),
+        }
+        Ok(())
+    }
+
+    /// Drops the target and what waits to be moved to. A job keeps its place.
+    fn drop_what_pages_asked_for(&mut self) {
+        let was_running = self.feeder.is_running();
+        self.feeder.stop();
+        if was_running {
+            self.report_job(JobStatus::Held);
+        }
+        self.run_asked_by = None;
+        self.mode_wanted = None;
+    }
+
+    /// Makes a request of the controller; its refusal as a sentence.
+    pub(super) fn ask_controller(
+        &mut self,
+        request: Request,
+    ) -> Result<Result<(), String>, LinkError> {
+        let request = HostCommand::Request(request);
+        let answer = self.machine.client.command(request)?;
+        Ok(answer.map_err(|refusal| sentence(&refusal)))
+    }
+
+    /// Whether the arm rests, with bridges on or off.
+    pub(super) fn rests(&self) -> bool {
+        use State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
+        match self.machine.status.state {
+            Stopped | Armed | Fault => true,
+            Homing | Running | Stopping | Exciting | Crossing => false,
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The commands of the program `fivebar`, run as a user runs them.
+
+mod accuracy;
+mod bench;
+mod by_cause;
+mod calibrate;
+mod clearance;
+mod closed_output;
+mod commission;
+mod commission_limits;
+mod demonstration;
+#[cfg(unix)]
+mod doctor;
+#[cfg(unix)]
+mod emulator_lifetime;
+mod export;
+mod extremes;
+mod full_disk;
+mod home_index;
+mod home_methods;
+mod identify;
+mod linkage;
+mod new;
+#[cfg(unix)]
+mod other_release;
+mod placement;
+mod plan;
+mod query;
+mod query_slider;
+mod random_arms;
+mod shell_help;
+mod sim;
+mod sim_motors;
+mod workspace;
+mod worn_joints_document;

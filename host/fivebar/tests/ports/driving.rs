@@ -1,0 +1,170 @@
+//! Jobs that are streamed to a controller with its own clock and motors.
+
+use crate::arm;
+use fivebar_firmware::protocol::{HostCommand, SectionKey};
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::{Move, MoveKind, Planner, Request};
+use fivebar_sim::drive::{Drive, DriveError, Homing};
+use fivebar_sim::link::{Client, Loopback};
+use fivebar_sim::time_optimal::JobPlanner;
+use std::cell::Cell;
+
+fn client() -> Client<Loopback> {
+    Client::open(arm::driving()).expect("the link works").0
+}
+
+/// About two seconds of motion to and fro.
+fn long_job() -> Vec<Move> {
+    let [x, y] = arm::robot()
+        .best_point()
+        .expect("a reachable point")
+        .map(|x| x as f32);
+    (1..=40)
+        .map(|tag| Move {
+            tag,
+            tool: 0,
+            kind: MoveKind::Line {
+                to: [x + 0.01 * (tag % 2) as f32, y],
+                feed: 0.2,
+            },
+        })
+        .collect()
+}
+
+#[test]
+fn a_job_is_executed_completely_and_the_bridges_are_off_afterwards() {
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    drive
+        .agree_on(&arm::settings(), false)
+        .expect("equal settings");
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let mut most = 0;
+    drive
+        .follow(&long_job(), &arm::settings(), &mut |taken, _| most = taken)
+        .expect("the job is executed");
+    assert_eq!(most, 40);
+    let (status, _) = client.status().expect("the link works");
+    assert_eq!((status.state, status.fault), (State::Stopped, None));
+    let [x, y] = arm::robot().best_point().expect("a reachable point");
+    let [tool_x, tool_y] = status.tool.expect("the arm is homed").map(f64::from);
+    assert!((tool_x - x).hypot(tool_y - y) < 5e-4, "{tool_x} {tool_y}");
+}
+
+/// The same job by timed moves, from where the arm is.
+fn timed_job(drive: &mut Drive<'_, Loopback>) -> Vec<Move> {
+    let mut planner = Planner::new(&arm::settings().check().expect("valid settings"));
+    let job = JobPlanner::new(&arm::robot(), 0.7).expect("the robot has masses");
+    let from = drive.tool().expect("the arm is homed");
+    job.moves(from, &long_job(), &mut planner)
+        .expect("the job is planned")
+}
+
+#[test]
+fn a_time_optimal_job_is_executed_completely_and_can_be_stopped() {
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let job = timed_job(&mut drive);
+    let timed = |next: &&Move| matches!(next.kind, MoveKind::Timed(_));
+    assert!(job.iter().filter(timed).count() > 100);
+    drive
+        .follow(&job, &arm::settings(), &mut |_, _| ())
+        .expect("the job is executed");
+    let [x, y] = arm::robot().best_point().expect("a reachable point");
+    let [tool_x, tool_y] = drive.tool().expect("the arm is homed").map(f64::from);
+    assert!((tool_x - x).hypot(tool_y - y) < 5e-4, "{tool_x} {tool_y}");
+
+    let calls = Cell::new(0);
+    let stop_requested = || {
+        calls.set(calls.get() + 1);
+        calls.get() > 60
+    };
+    let mut drive = Drive::new(&mut client, &stop_requested);
+    let job = timed_job(&mut drive);
+    let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| ());
+    let stopped = matches!(outcome, Err(DriveError::Stopped(Some(2..=39))));
+    assert!(stopped, "{outcome:?}");
+    let (status, _) = client.status().expect("the link works");
+    assert_eq!((status.state, status.fault), (State::Stopped, None));
+}
+
+#[test]
+fn a_request_to_stop_brings_the_arm_to_rest_and_removes_its_power() {
+    let calls = Cell::new(0);
+    let stop_requested = || {
+        calls.set(calls.get() + 1);
+        calls.get() > 120
+    };
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let mut drive = Drive::new(&mut client, &stop_requested);
+    let outcome = drive.follow(&long_job(), &arm::settings(), &mut |_, _| ());
+    let stopped = matches!(outcome, Err(DriveError::Stopped(Some(2..=39))));
+    assert!(stopped, "{outcome:?}");
+    let (status, _) = client.status().expect("the link works");
+    assert_eq!((status.state, status.fault), (State::Stopped, None));
+}
+
+#[test]
+fn an_infeasible_move_is_refused_before_the_arm_moves() {
+    let mut job = long_job();
+    job[39].kind = MoveKind::Line {
+        to: [3.0, 0.0],
+        feed: 0.1,
+    };
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| panic!("the arm moves"));
+    match outcome {
+        Err(DriveError::Move(refusal)) => {
+            assert_eq!(refusal.tag, 40);
+            assert!(refusal.point.is_some(), "{refusal}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let (status, _) = client.status().expect("the link works");
+    assert_eq!(status.state, State::Stopped);
+}
+
+#[test]
+fn different_settings_are_refused_until_they_are_uploaded() {
+    let mut other = arm::settings();
+    other.payload += 0.01;
+    other.axes[1].gear_ratio += 1.0;
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    match drive.agree_on(&other, false) {
+        Err(DriveError::OtherSettings(differing)) => {
+            assert_eq!(differing, [SectionKey::Payload, SectionKey::Axis(1)]);
+        }
+        outcome => panic!("{outcome:?}"),
+    }
+    drive.agree_on(&other, true).expect("the upload succeeds");
+    drive.agree_on(&other, false).expect("equal settings");
+    assert_eq!(client.line().saved(), Some(&other));
+}
+
+#[test]
+fn a_latched_fault_is_reported_and_prevents_motion_until_it_is_cleared() {
+    let mut client = client();
+    let stop = HostCommand::Request(Request::EmergencyStop);
+    client
+        .command(stop)
+        .expect("the link works")
+        .expect("the command is accepted");
+    client.poll().expect("the link works");
+    let mut drive = Drive::new(&mut client, &|| false);
+    let outcome = drive.home(Homing::Switches);
+    let Err(error @ DriveError::Fault(Fault::EmergencyStop)) = outcome else {
+        panic!("{outcome:?}");
+    };
+    assert!(
+        error.to_string().contains("fault 10, emergency stop"),
+        "{error}"
+    );
+    drive.clear_fault().expect("the fault is cleared");
+    drive.home(Homing::Switches).expect("homing succeeds");
+}

@@ -1,0 +1,110 @@
+//! The margins of a robot's position loop over its workspace.
+
+mod answer;
+
+use fivebar_design::servo::{LoopPoint, Margins, Servo};
+use fivebar_files::robot::{MissingMasses, Robot};
+use fivebar_kinematics::five_bar::Pose;
+use rayon::prelude::*;
+
+/// Why a robot's loop has no margins.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MarginsError {
+    /// No masses.
+    #[error(transparent)]
+    Masses(#[from] MissingMasses),
+    /// The arm can be nowhere.
+    #[error(
+        "robot `{0}` has no pose within its joint limits and clear of singularities: check `home`, \
+         `working_mode` and `[limits]`"
+    )]
+    NoPose(String),
+}
+
+/// The margins at one pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseMargins {
+    /// θ1, θ4 [rad].
+    pub theta: [f64; 2],
+    /// The tool's position [m].
+    pub tool: [f64; 2],
+    /// Its margins; none if the loop is unstable there.
+    pub margins: Option<Margins>,
+    /// The greatest |z| of the closed loop's poles.
+    pub radius: f64,
+}
+
+/// The margins over the workspace.
+#[derive(Clone, Debug)]
+pub struct MarginsStudy<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// All poses; home is the first.
+    pub poses: Vec<PoseMargins>,
+    /// The index of the pose with the least modulus margin, or of the most unstable one.
+    pub worst: usize,
+    /// The open loop there.
+    pub loci: Vec<LoopPoint>,
+    /// The free frequency of each drive there [Hz]; none for a rigid drive.
+    pub resonance: [Option<f64>; 2],
+    /// Torque by the encoders' counts there, root mean square, as a share of the peak torque.
+    pub noise: f64,
+}
+
+impl<'a> MarginsStudy<'a> {
+    /// Computes the margins at home and on a grid over the joints' limits.
+    ///
+    /// # Errors
+    /// A robot without masses, or without a pose.
+    pub fn new(robot: &'a Robot) -> Result<Self, MarginsError> {
+        let gains = robot.control.gains();
+        let servos = robot.servos()?;
+        let mut poses: Vec<PoseMargins> = servos
+            .par_iter()
+            .map(|(pose, servo)| {
+                let radius = servo.spectral_radius(&gains, 1.0);
+                PoseMargins {
+                    margins: (radius < 1.0).then(|| servo.margins(&gains)),
+                    radius,
+                    ..PoseMargins::at(pose)
+                }
+            })
+            .collect();
+        let badness = |pose: &PoseMargins| pose.margins.map_or(pose.radius, |m| -m.modulus);
+        let worst = (0..poses.len())
+            .max_by(|&a, &b| badness(&poses[a]).total_cmp(&badness(&poses[b])))
+            .ok_or_else(|| MarginsError::NoPose(robot.name.clone()))?;
+        let servo: &Servo = &servos[worst].1;
+        if let Some(margins) = &mut poses[worst].margins {
+            *margins = servo.margins_by_poles(&gains);
+        }
+        Ok(Self {
+            robot,
+            worst,
+            loci: servo.loci(&gains),
+            resonance: [0, 1].map(|j| {
+                let drive = &servo.drives[j];
+                drive.resonance(servo.mass_matrix[(j, j)] - drive.rotor_inertia)
+            }),
+            noise: servo.noise(&gains),
+            poses,
+        })
+    }
+
+    /// The worst pose.
+    pub fn worst(&self) -> &PoseMargins {
+        &self.poses[self.worst]
+    }
+}
+
+impl PoseMargins {
+    fn at(pose: &Pose<f64>) -> Self {
+        let [theta1, _, _, theta4] = pose.angles();
+        Self {
+            theta: [theta1, theta4],
+            tool: pose.c.into(),
+            margins: None,
+            radius: f64::NAN,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The controller that is chosen: simulated, emulated, or on a port.
+
+use super::simulated::{self, SteppedArm};
+use crate::drive::{Drive, DriveError};
+use crate::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine};
+use crate::simulation::RunError;
+use fivebar_files::robot::Robot;
+use fivebar_firmware::protocol::{Board, CommandError};
+use fivebar_firmware::settings::{CheckedSettings, SettingsError};
+use std::io::{Read, Write};
+use std::path::Path;
+
+/// Where the controller runs.
+#[derive(Clone, Copy, Debug)]
+pub enum ControllerSource<'a> {
+    /// A controller in this process with the simulated arm in real time.
+    Simulated,
+    /// This firmware image on an emulated board, with the simulated arm.
+    Emulated(&'a Path),
+    /// A controller on a serial port with its own arm. A board with the image `qemu` gets
+    /// the simulated arm.
+    Port {
+        /// The port's name.
+        name: &'a str,
+        /// Whether to store the robot's settings on the controller.
+        upload: bool,
+    },
+}
+
+/// Why the controller cannot be opened.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpenError {
+    /// The robot cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] RunError),
+    /// The port cannot be opened.
+    #[error(transparent)]
+    Port(#[from] PortError),
+    /// The emulated board does not run.
+    #[error(transparent)]
+    Emulator(#[from] EmulatorError),
+    /// The controller has settings for another arm, or refuses the robot's.
+    #[error(transparent)]
+    OtherArm(#[from] DriveError),
+    /// The emulated board refuses the robot's settings.
+    #[error("the emulated board refuses the robot's settings: {0}")]
+    Refused(CommandError),
+    /// The controller does not reply.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The controller's settings are not valid.
+    #[error("the controller's settings: {0}")]
+    Settings(#[from] SettingsError),
+}
+
+/// A stream of bytes to a controller.
+pub trait Connection: Read + Write + Send {}
+impl<L: Read + Write + Send> Connection for L {}
+
+/// A controller with the settings of the robot.
+pub struct Opened {
+    /// The connection to it.
+    pub client: Client<Box<dyn Connection>>,
+    /// The simulated arm of a board in lockstep.
+    pub stepped: Option<SteppedArm>,
+    /// The robot's settings, which it has.
+    pub settings: CheckedSettings,
+    /// Where the controller runs.
+    pub place: String,
+}
+
+/// Opens the controller and makes sure that it has the robot's settings.
+///
+/// # Errors
+/// The port cannot be opened, the robot cannot be simulated, or the controller has settings for
+/// another arm or does not reply.
+pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<Opened, OpenError> {
+    let line: Box<dyn Connection> = match source {
+        ControllerSource::Simulated => Box::new(simulated::line(robot)?),
+        ControllerSource::Emulated(image) => Box::new(Emulator::start(image)?),
+        ControllerSource::Port { name, .. } => Box::new(SerialLine::open(name)?),
+    };
+    let (mut client, identity) = Client::open(line)?;
+    let settings = robot.settings().map_err(RunError::from)?.check()?;
+    let (place, stepped) = match identity.board {
+        Board::Emulated => {
+            let answer = client.write_settings(&settings)?;
+            answer.map_err(OpenError::Refused)?;
+            (
+                "emulated controller, simulated arm",
+                Some(SteppedArm::new(robot)?),
+            )
+        }
+        Board::Desktop | Board::Stm32f405 => {
+            let upload = matches!(source, ControllerSource::Port { upload: true, .. });
+            Drive::new(&mut client, &|| false).agree_on(&settings, upload)?;
+            match source {
+                ControllerSource::Port { name, .. } => (name, None),
+                ControllerSource::Simulated | ControllerSource::Emulated(_) => ("simulated", None),
+            }
+        }
+    };
+    Ok(Opened {
+        client,
+        stepped,
+        settings,
+        place: place.into(),
+    })
+}

@@ -1,0 +1,272 @@
+//! Driving a job on a controller with motors: settings, homing, streaming, stopping.
+
+mod error;
+
+use crate::held;
+use crate::link::{Client, LinkError};
+use crate::measured_pose::measured_pose;
+use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, SectionKey};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::settings::BoardLimits;
+use fivebar_firmware::{Move, Planner, Request, Settings, Status};
+use std::io::{Read, Write};
+
+pub use error::DriveError;
+
+/// Number of reads after which homing has failed: 60 s.
+const LONGEST_HOMING: u32 = 6000;
+/// Number of reads after which the wait for the arm's stop ends: 5 s.
+const LONGEST_STOP: u32 = 500;
+
+/// How the joint angles become known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Homing {
+    /// The controller searches for the home switches.
+    Switches,
+    /// The user has turned the joints to these angles θ1, θ4 by hand [rad].
+    At([f32; 2]),
+}
+
+/// Drives jobs on a controller with motors.
+pub struct Drive<'a, L> {
+    client: &'a mut Client<L>,
+    wants_stop: &'a dyn Fn() -> bool,
+}
+
+impl<'a, L: Read + Write> Drive<'a, L> {
+    /// Drives over `client`. Homing and jobs stop as soon as `wants_stop` returns true.
+    pub fn new(client: &'a mut Client<L>, wants_stop: &'a dyn Fn() -> bool) -> Self {
+        Self { client, wants_stop }
+    }
+
+    /// Makes sure that the controller uses `settings`: with `upload` it sends and stores
+    /// them, without it only compares them.
+    ///
+    /// # Errors
+    /// The sections that differ, or a refused upload.
+    pub fn agree_on(&mut self, settings: &Settings, upload: bool) -> Result<(), DriveError> {
+        let mut theirs = *settings;
+        self.client.read_settings(&mut theirs)?;
+        let differing: Vec<_> = SectionKey::ALL
+            .into_iter()
+            .filter(|key| key.of(settings) != key.of(&theirs))
+            .collect();
+        if differing.is_empty() && !upload {
+            return Ok(());
+        }
+        if !upload {
+            return Err(DriveError::OtherSettings(differing));
+        }
+        self.client.write_settings(settings)?.map_err(|error| {
+            match BoardLimits::STM32F405.check(settings) {
+                Err(bound) if error == CommandError::Settings => DriveError::Settings(bound),
+                _ => DriveError::refused("use the settings", error),
+            }
+        })?;
+        self.command("store the settings", HostCommand::SaveSettings)
+    }
+
+    /// Clears a latched fault, if there is one.
+    ///
+    /// # Errors
+    /// The controller refuses, for example because the arm still moves.
+    pub fn clear_fault(&mut self) -> Result<(), DriveError> {
+        if self.client.status()?.0.fault.is_none() {
+            return Ok(());
+        }
+        self.request(Request::ClearFault)?;
+        // A fault that holds the arm ends when the holding brakes have engaged.
+        for _ in 0..LONGEST_STOP {
+            if self.client.status()?.0.fault.is_none() {
+                return Ok(());
+            }
+            self.client.poll()?;
+        }
+        Ok(())
+    }
+
+    /// Homes the arm, unless it is homed.
+    ///
+    /// # Errors
+    /// A latched fault, a refusal, or switches that are not found.
+    pub fn home(&mut self, homing: Homing) -> Result<(), DriveError> {
+        if self.fault_free_status()?.homed {
+            return Ok(());
+        }
+        match homing {
+            Homing::At(angles) => self.request(Request::SetAngles(angles))?,
+            Homing::Switches => self.request(Request::Home)?,
+        }
+        for _ in 0..LONGEST_HOMING {
+            let status = self.fault_free_status()?;
+            if status.homed && status.state == State::Stopped {
+                return Ok(());
+            }
+            if (self.wants_stop)() {
+                self.bring_to_rest()?;
+                return Err(DriveError::Stopped(None));
+            }
+            self.client.poll()?;
+        }
+        self.bring_to_rest()?;
+        Err(DriveError::NeverHomed)
+    }
+
+    /// The tool of the homed arm [m].
+    ///
+    /// # Errors
+    /// A latched fault, or an arm whose place is not known.
+    pub fn tool(&mut self) -> Result<[f32; 2], DriveError> {
+        self.fault_free_status()?.tool.ok_or(DriveError::NoTool)
+    }
+
+    /// Whether the joint angles are known.
+    ///
+    /// # Errors
+    /// A failed connection.
+    pub fn is_homed(&mut self) -> Result<bool, DriveError> {
+        Ok(self.client.status()?.0.homed)
+    }
+
+    /// A planner like the controller's, in the arm's present working and assembly mode.
+    ///
+    /// # Errors
+    /// A latched fault, an arm whose place is not known, or settings that are not valid.
+    pub fn planner(&mut self, settings: &Settings) -> Result<Planner, DriveError> {
+        let settings = settings.check().map_err(DriveError::Settings)?;
+        let tool = settings.tool();
+        let status = self.fault_free_status()?;
+        let pose = measured_pose(tool, &status).ok_or(DriveError::NoTool)?;
+        Ok(Planner::new(&settings)
+            .in_mode(tool.working_mode(&pose))
+            .in_assembly(pose.assembly()))
+    }
+
+    /// Arms, does the moves and disarms.
+    ///
+    /// All moves are checked, from the tool's position on, before anything moves.
+    /// `progress` is called about a hundred times a second with the number of moves that
+    /// the controller has accepted and its status. In the end, also after an error, the arm
+    /// rests and its bridges are off.
+    ///
+    /// # Errors
+    /// A move that cannot be done, a fault, a stop by the user, a failed connection.
+    pub fn follow(
+        &mut self,
+        moves: &[Move],
+        settings: &Settings,
+        progress: &mut dyn FnMut(usize, &Status),
+    ) -> Result<(), DriveError> {
+        let tool = self.tool()?;
+        self.planner(settings)?.check_all(tool, moves)?;
+        self.request(Request::Arm)?;
+        let outcome = self.stream(moves, progress);
+        if outcome.is_err() {
+            self.bring_to_rest()?;
+        }
+        // With a latched fault the controller refuses to disarm; `outcome` then holds the fault.
+        let disarmed = self.request(Request::Disarm);
+        if held::ends_by_emergency_stop(&self.client.status()?.0) {
+            self.request(Request::EmergencyStop)?;
+        }
+        outcome.and(disarmed)
+    }
+
+    fn stream(
+        &mut self,
+        moves: &[Move],
+        progress: &mut dyn FnMut(usize, &Status),
+    ) -> Result<(), DriveError> {
+        let (_, all_room) = self.client.status()?;
+        let mut taken = 0;
+        let mut idle_since = None;
+        loop {
+            let (status, room) = self.client.status()?;
+            progress(taken, &status);
+            check_fault(&status)?;
+            if (self.wants_stop)() {
+                return Err(DriveError::Stopped(status.tag));
+            }
+            taken += match self.offer(moves.get(taken..).unwrap_or(&[])) {
+                Err(DriveError::Move(refusal)) => {
+                    // A fault since the last status is the reason why moves are refused.
+                    self.fault_free_status()?;
+                    return Err(refusal.into());
+                }
+                offered => offered?,
+            };
+            // Between two ticks the queue may be empty while its last segment has not begun.
+            let is_idle = status.state == State::Armed && room == all_room;
+            idle_since = idle_since.filter(|_| is_idle && taken == moves.len());
+            match idle_since {
+                Some(tick) if status.tick != tick => return Ok(()),
+                Some(_) => {}
+                None if taken == moves.len() => idle_since = Some(status.tick),
+                None => {}
+            }
+            self.client.poll()?;
+        }
+    }
+
+    /// Offers moves until the queue is full; returns how many were accepted.
+    fn offer(&mut self, moves: &[Move]) -> Result<usize, DriveError> {
+        for (taken, next) in moves.iter().enumerate() {
+            match self.client.call(HostCommand::Move(*next))? {
+                Reply::Taken { .. } => {}
+                Reply::Refused(CommandError::Move(error)) if error.kind == MoveErrorKind::Full => {
+                    return Ok(taken);
+                }
+                Reply::Refused(CommandError::Move(error)) => return Err(error.into()),
+                reply => return Err(DriveError::UnexpectedReply(format!("{reply:?}"))),
+            }
+        }
+        Ok(moves.len())
+    }
+
+    /// Stops on the path and waits for rest.
+    fn bring_to_rest(&mut self) -> Result<(), LinkError> {
+        // Refused if a fault is latched: then the controller itself brings the arm to rest.
+        let _ = self.client.command(HostCommand::Request(Request::Stop))?;
+        for _ in 0..LONGEST_STOP {
+            if !held::moves(&self.client.status()?.0) {
+                break;
+            }
+            self.client.poll()?;
+        }
+        Ok(())
+    }
+
+    /// The status; the fault as an error if one is latched.
+    fn fault_free_status(&mut self) -> Result<Status, DriveError> {
+        let (status, _) = self.client.status()?;
+        check_fault(&status)?;
+        Ok(status)
+    }
+
+    fn request(&mut self, request: Request) -> Result<(), DriveError> {
+        let what = match request {
+            Request::Arm => "arm",
+            Request::Disarm => "disarm",
+            Request::Home => "home",
+            Request::SetAngles(_) => "take these joint angles",
+            Request::Stop => "stop",
+            Request::EmergencyStop => "stop at once",
+            Request::ClearFault => "clear the fault",
+            Request::Excite(_) => "put a voltage or a current on a motor",
+        };
+        self.command(what, HostCommand::Request(request))
+    }
+
+    fn command(&mut self, what: &'static str, command: HostCommand) -> Result<(), DriveError> {
+        self.client
+            .command(command)?
+            .map_err(|error| DriveError::refused(what, error))
+    }
+}
+
+fn check_fault(status: &Status) -> Result<(), DriveError> {
+    status
+        .fault
+        .map_or(Ok(()), |fault| Err(DriveError::Fault(fault)))
+}

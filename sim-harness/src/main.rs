@@ -1,7 +1,0 @@
-//! The program `fivebar`.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    fivebar::show::cli::main()
-}

@@ -1,0 +1,227 @@
+//! The loop of a run: sense, tick and step, through homing, arming and the moves.
+
+use super::{JointHistory, Sample, TipError, Trace};
+use crate::link::{Target, TargetError};
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::{Move, Status};
+use fivebar_plant::PlantFault;
+use fivebar_plant::{Plant, WornJoints};
+
+/// Longest simulated time of homing [s].
+const LONGEST_HOMING: f64 = 60.0;
+/// Time between homing and arming, in which the joints come to rest [s].
+const SETTLING: f64 = 0.1;
+/// Time that is simulated after the end of the job, or after a fault [s].
+const AFTERMATH: f64 = 0.1;
+
+/// The record of a run under one controller, from power-up to its end.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// The samples of the job. Their time begins with the job, after homing.
+    pub trace: Trace,
+    /// Ticks from power-up to the end.
+    pub ticks: u64,
+    /// Simulated time from power-up to the end [s].
+    pub simulated: f64,
+    /// Time from power-up to the beginning of the job [s]; none if homing failed.
+    pub begun: Option<f64>,
+    /// Time from the beginning of the job to its end, or to the fault that ended it [s].
+    pub job_time: Option<f64>,
+    /// Tip error during the job.
+    pub tip_error: TipError,
+    /// Greatest torque of each motor, at its joint [N·m].
+    pub peak_torque: [f64; 2],
+    /// Ticks of the job in which a torque was limited.
+    pub saturated_ticks: u64,
+    /// Forces and contacts of the joints during the job, if joints are worn.
+    pub joints: JointHistory,
+    /// The faults in order, each with its time from power-up [s].
+    pub faults: Vec<(f64, Fault)>,
+}
+
+/// A controller and the simulated arm in lockstep.
+pub struct Simulation<'a, T> {
+    target: &'a mut T,
+    plant: Plant,
+    /// Period of the tick [s].
+    period: f64,
+    record: Record,
+    job: JobSums,
+    /// Whether the job is done or cancelled.
+    ended: bool,
+}
+
+/// Sums over the ticks of the job.
+#[derive(Clone, Copy, Debug, Default)]
+struct JobSums {
+    ticks: u64,
+    /// Sum of the squared tip errors [m²].
+    squares: f64,
+}
+
+impl<'a, T: Target> Simulation<'a, T> {
+    /// A run before power-up; `tick_rate` is in Hz.
+    pub fn new(target: &'a mut T, plant: Plant, tick_rate: f64) -> Self {
+        Self {
+            target,
+            plant,
+            period: 1.0 / tick_rate,
+            record: Record::default(),
+            job: JobSums::default(),
+            ended: false,
+        }
+    }
+
+    /// Homes the arm, does the moves and returns the record. `faults` are injected at their
+    /// times from the beginning of the job. `progress` is called a hundred times a second with the
+    /// length of the path behind the reference [m]. A fault ends the run and is part of the record.
+    ///
+    /// # Errors
+    /// The controller refuses a request or a move, or does not reply.
+    pub fn run(
+        mut self,
+        moves: &[Move],
+        faults: &[PlantFault],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Record, TargetError> {
+        self.tick()?;
+        self.target.request(Request::Home)?;
+        if self.wait_for_home()? {
+            self.target.request(Request::Arm)?;
+            self.record.begun = Some(self.now());
+            self.plant.schedule_faults(faults);
+            self.run_moves(moves, progress)?;
+            self.record.job_time = self.record.begun.map(|begun| self.now() - begun);
+        }
+        self.ended = true;
+        self.pause(AFTERMATH)?;
+        Ok(self.finished())
+    }
+
+    /// Waits until the arm is homed. False if a fault ended homing; the record has it.
+    fn wait_for_home(&mut self) -> Result<bool, TargetError> {
+        while self.now() < LONGEST_HOMING {
+            let status = self.tick()?;
+            if !self.record.faults.is_empty() {
+                return Ok(false);
+            }
+            if status.homed && status.state == State::Stopped {
+                self.pause(SETTLING)?;
+                return Ok(true);
+            }
+        }
+        Err(TargetError::NeverHomed(LONGEST_HOMING))
+    }
+
+    fn run_moves(
+        &mut self,
+        moves: &[Move],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(), TargetError> {
+        let mut offered = 0;
+        let every = (0.01 / self.period).ceil().max(1.0) as u64;
+        let (mut at, mut way): (Option<[f32; 2]>, f64) = (None, 0.0);
+        loop {
+            while let Some(next) = moves.get(offered) {
+                if !self.target.offer(next)? {
+                    break;
+                }
+                offered += 1;
+            }
+            let status = self.tick()?;
+            if let (Some([x1, y1]), Some([x2, y2])) = (at, status.reference) {
+                way += f64::from((x2 - x1).hypot(y2 - y1));
+            }
+            at = status.reference.or(at);
+            if self.record.ticks.is_multiple_of(every) {
+                progress(way);
+            }
+            let done = offered == moves.len() && self.target.is_idle();
+            if done || !self.record.faults.is_empty() {
+                return Ok(());
+            }
+        }
+    }
+
+    fn pause(&mut self, time: f64) -> Result<(), TargetError> {
+        for _ in 0..(time / self.period) as u32 {
+            self.tick()?;
+        }
+        Ok(())
+    }
+
+    /// Time since power-up [s].
+    fn now(&self) -> f64 {
+        self.record.ticks as f64 * self.period
+    }
+
+    fn tick(&mut self) -> Result<Status, TargetError> {
+        let sample = self.plant.sense();
+        let (command, status) = self.target.tick(&sample)?;
+        self.record_sample(&status);
+        self.plant.step(&command, self.period);
+        self.record.ticks += 1;
+        self.record_joints();
+        Ok(status)
+    }
+
+    /// Records the forces and contacts of the joints during the tick.
+    fn record_joints(&mut self) {
+        let Some(statistics) = self.plant.wear().map(WornJoints::take_statistics) else {
+            return;
+        };
+        if let Some(begun) = self.record.begun
+            && !self.ended
+        {
+            self.record.joints.record(self.now() - begun, statistics);
+        }
+    }
+
+    /// Records the state at the instant of the tick's samples.
+    fn record_sample(&mut self, status: &Status) {
+        let now = self.now();
+        let record = &mut self.record;
+        if let Some(fault) = status.fault
+            && record.faults.last().is_none_or(|&(_, last)| last != fault)
+        {
+            record.faults.push((now, fault));
+        }
+        let state = self.plant.state();
+        let torque = [0, 1].map(|j| self.plant.model().motors[j].torque(state.current[j]));
+        for (peak, torque) in record.peak_torque.iter_mut().zip(torque) {
+            *peak = peak.max(torque.abs());
+        }
+        let Some(begun) = record.begun else {
+            return;
+        };
+        let Some(reported) = Sample::reported(status, now - begun) else {
+            return;
+        };
+        let sample = Sample {
+            tool: self.plant.tool().into(),
+            angle: [0, 1].map(|j| self.plant.angle(j)),
+            torque,
+            current: state.current,
+            ..reported
+        };
+        record.trace.push(sample);
+        if !self.ended {
+            let error = sample.tip_error();
+            record.tip_error.max_m = record.tip_error.max_m.max(error);
+            record.saturated_ticks += u64::from(sample.saturated);
+            self.job.ticks += 1;
+            self.job.squares += error * error;
+        }
+    }
+
+    fn finished(self) -> Record {
+        let simulated = self.now();
+        let mut record = self.record;
+        record.simulated = simulated;
+        if self.job.ticks > 0 {
+            record.tip_error.rms_m = (self.job.squares / self.job.ticks as f64).sqrt();
+        }
+        record
+    }
+}

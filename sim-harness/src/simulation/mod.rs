@@ -1,0 +1,269 @@
+//! A run: the simulation of a scenario from power-up to the end of its job, and its results.
+
+mod by_cause;
+mod control_loop;
+mod demo_scale;
+mod joints;
+mod summary;
+mod trace;
+
+pub use by_cause::CauseError;
+pub use control_loop::{Record, Simulation};
+pub use demo_scale::{DemoScaleError, find_demo_scale};
+pub use joints::{JointHistory, PeakForce};
+pub use summary::{Summary, TipError, fault_name};
+pub use trace::{Sample, Trace};
+
+use crate::link::{InProcess, Target, TargetError};
+use crate::time_optimal::{JobPlanner, TimeOptimalError};
+use fivebar_files::job::Job;
+use fivebar_files::robot::{HomeError, MissingMasses, robot_file_message};
+use fivebar_files::scenario::{RefusedModeChange, RefusedMove, Scenario, ScenarioError};
+use fivebar_firmware::settings::SettingsError;
+use fivebar_firmware::{Move, Planner};
+use fivebar_plant::contact::ClearanceError;
+use fivebar_plant::{MismatchError, Plant, WornJoints};
+use std::time::Instant;
+
+/// Why a run ended early. Faults of the controller are no errors here; the record has them.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scenario or its job is not valid.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A clearance is not between 0 and the bearing's radius.
+    #[error(transparent)]
+    ClearanceError(#[from] ClearanceError),
+    /// Worn joints on an arm whose drives are not ideal.
+    #[error(
+        "worn joints are simulated with ideal drives only: leave out the `stiffness` of the robot \
+         file, and under [mismatch] `stiffness`, `backlash`, `stiction`, `cogging`, \
+         `torque_ripple` and `supply_resistance`"
+    )]
+    WornDrives,
+    /// The robot has no masses.
+    #[error(transparent)]
+    MissingMasses(#[from] MissingMasses),
+    /// The robot has no home pose.
+    #[error(transparent)]
+    HomeError(#[from] HomeError),
+    /// The controller refuses the robot's settings.
+    #[error("robot `{robot}`: {}", robot_file_message(*.error))]
+    Settings {
+        /// The robot's name.
+        robot: String,
+        /// The setting that is not valid.
+        error: SettingsError,
+    },
+    /// The mismatch does not fit the robot.
+    #[error("with robot `{robot}`, `{}` of [mismatch] {error}", error.name)]
+    Mismatch {
+        /// The robot's name.
+        robot: String,
+        /// The value that does not fit.
+        error: MismatchError,
+    },
+    /// The job cannot be planned time-optimally.
+    #[error(transparent)]
+    TimeOptimal(#[from] TimeOptimalError),
+    /// The working mode cannot be changed as the job asks for.
+    #[error(transparent)]
+    ModeChange(#[from] RefusedModeChange),
+    /// The controller refuses the job or a request, or does not reply.
+    #[error(transparent)]
+    Target(#[from] TargetError),
+}
+
+/// Angle of each joint before its home switch at power-up [rad].
+const BEFORE_HOME: f64 = 0.1;
+
+/// Runs of a scenario: its job checked, and done by a simulated arm under the controller.
+pub trait Simulate {
+    /// The job as moves for an arm at home: where a straight way to the job would leave the
+    /// workspace, the joints move there.
+    ///
+    /// # Errors
+    /// The robot has no masses, the controller refuses its settings, or a time-optimal job cannot
+    /// be planned.
+    fn run_moves(&self, job: &Job) -> Result<Vec<Move>, RunError>;
+
+    /// As [`Simulate::run_moves`], for the first `count` moves of the job.
+    ///
+    /// # Errors
+    /// As [`Simulate::run_moves`].
+    fn first_moves(&self, job: &Job, count: usize) -> Result<Vec<Move>, RunError>;
+
+    /// Checks all moves of the job against the arm's envelope, before anything moves.
+    ///
+    /// # Errors
+    /// The first line that cannot be done, with the point and the reason.
+    fn check(&self, job: &Job) -> Result<(), RunError>;
+
+    /// The simulated arm, unpowered, with each joint 0.1 rad before its home switch.
+    ///
+    /// # Errors
+    /// The robot has no masses or no home pose.
+    fn plant(&self) -> Result<Plant, RunError>;
+
+    /// Runs the job in this process, by computed torque or by PID at each joint. Calls `progress` with
+    /// the length of the path that is done [m].
+    ///
+    /// # Errors
+    /// Anything that ends the run early, except faults: the record has those.
+    fn simulate(
+        &self,
+        job: &Job,
+        computed_torque: bool,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError>;
+
+    /// A controller in this process, as after a reset, with computed torque or PID at each joint.
+    ///
+    /// # Errors
+    /// The robot has no masses, or the controller refuses its settings.
+    fn controller(&self, computed_torque: bool) -> Result<InProcess, RunError>;
+
+    /// Runs moves on any controller, else as [`Simulate::simulate`].
+    ///
+    /// # Errors
+    /// As [`Simulate::simulate`].
+    fn run_on(
+        &self,
+        target: &mut impl Target,
+        moves: &[Move],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError>;
+
+    /// The tip errors without any mismatch, with each alone, and with all: `all` is the run
+    /// itself. What the robot file states of the drives stays in every run.
+    ///
+    /// # Errors
+    /// As [`Simulate::simulate`].
+    fn by_cause(&self, job: &Job, all: &Summary) -> Result<Vec<CauseError>, RunError>;
+
+    /// Sets the greatest of a few scales at which the controller accepts the job.
+    ///
+    /// # Errors
+    /// The refusal at the least scale, or an error other than a refused move.
+    fn fit(&mut self) -> Result<(), RunError>;
+}
+
+impl Simulate for Scenario {
+    fn run_moves(&self, job: &Job) -> Result<Vec<Move>, RunError> {
+        self.first_moves(job, usize::MAX)
+    }
+
+    fn first_moves(&self, job: &Job, count: usize) -> Result<Vec<Move>, RunError> {
+        let settings = self.robot.settings()?.check();
+        let mut planner = Planner::new(&settings.map_err(|e| settings_error(self, e))?);
+        let mut moves = self.moves_from_home(&planner, job)?;
+        moves.truncate(count);
+        let (Some(share), Some(home)) = (self.time_optimal, self.home_point()) else {
+            return Ok(moves);
+        };
+        Ok(JobPlanner::new(&self.robot, share)?.moves(home, &moves, &mut planner)?)
+    }
+
+    fn check(&self, job: &Job) -> Result<(), RunError> {
+        let settings = self.robot.settings()?.check();
+        let mut planner = Planner::new(&settings.map_err(|e| settings_error(self, e))?);
+        self.robot.home_pose()?;
+        match self.verify(&mut planner, job) {
+            Ok(()) => Ok(()),
+            Err(RefusedMove::Move(refused)) => Err(TargetError::Move(refused).into()),
+            Err(RefusedMove::ModeChange(refused)) => Err(refused.into()),
+        }
+    }
+
+    fn plant(&self) -> Result<Plant, RunError> {
+        let settings = self.robot.settings()?;
+        let before = settings.axes.map(|axis| {
+            if axis.home_forward {
+                -BEFORE_HOME
+            } else {
+                BEFORE_HOME
+            }
+        });
+        let pose = self.robot.pose_near_home(before)?;
+        let parameters = self.robot.plant_parameters()?;
+        self.mismatch
+            .check_for(&parameters)
+            .map_err(|error| RunError::Mismatch {
+                robot: self.robot.name.clone(),
+                error,
+            })?;
+        let mut plant = Plant::new(&parameters, &self.mismatch, &pose, self.seed);
+        if let Some(clearance) = self.clearance {
+            if plant.drives().is_some() {
+                return Err(RunError::WornDrives);
+            }
+            plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
+        }
+        plant.rewire(&self.wiring);
+        for &fault in &self.initial_faults {
+            plant.inject(fault);
+        }
+        Ok(plant)
+    }
+
+    fn simulate(
+        &self,
+        job: &Job,
+        computed_torque: bool,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError> {
+        let mut target = self.controller(computed_torque)?;
+        self.run_on(&mut target, &self.run_moves(job)?, progress)
+    }
+
+    fn controller(&self, computed_torque: bool) -> Result<InProcess, RunError> {
+        let mut settings = self.robot.settings()?;
+        settings.control.computed_torque = computed_torque;
+        InProcess::new(&settings).map_err(|e| settings_error(self, e))
+    }
+
+    fn run_on(
+        &self,
+        target: &mut impl Target,
+        moves: &[Move],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError> {
+        let started = Instant::now();
+        let simulation = Simulation::new(target, self.plant()?, self.robot.control.tick_rate);
+        let record = simulation.run(moves, &self.faults, progress)?;
+        let summary = Summary {
+            robot: self.robot.name.clone(),
+            scenario: self.name.clone(),
+            simulated_s: record.simulated,
+            wall_s: started.elapsed().as_secs_f64(),
+            ticks: record.ticks,
+            tip_error: record.tip_error,
+            peak_torque_nm: record.peak_torque,
+            saturated_ticks: record.saturated_ticks,
+            job_s: record.job_time,
+            faults: record
+                .faults
+                .iter()
+                .map(|(_, fault)| fault_name(*fault))
+                .collect(),
+            ..Summary::default()
+        };
+        Ok((summary, record))
+    }
+
+    fn by_cause(&self, job: &Job, all: &Summary) -> Result<Vec<CauseError>, RunError> {
+        by_cause::by_cause(self, job, all)
+    }
+
+    fn fit(&mut self) -> Result<(), RunError> {
+        demo_scale::fit(self)
+    }
+}
+
+fn settings_error(scenario: &Scenario, error: SettingsError) -> RunError {
+    RunError::Settings {
+        robot: scenario.robot.name.clone(),
+        error,
+    }
+}

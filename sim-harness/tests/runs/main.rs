@@ -1,0 +1,3 @@
+//! What jobs ask of an arm at home.
+
+mod approach;
