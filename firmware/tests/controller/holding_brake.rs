@@ -277,6 +277,20 @@ fn an_armed_arm_that_is_armed_again_keeps_its_free_brakes() {
 }
 
 #[test]
+fn power_that_is_lost_while_an_arm_is_disarmed_ends_the_disarming() {
+    let mut rig = free(&braked());
+    rig.controller.request(Request::Disarm).unwrap();
+    rig.run(20);
+    rig.controller.request(Request::EmergencyStop).unwrap();
+    rig.tick();
+    rig.controller.request(Request::ClearFault).unwrap();
+    rig.controller.request(Request::Arm).unwrap();
+    let command = rig.run(5000);
+    assert_eq!(rig.controller.state(), State::Armed);
+    assert_eq!((command.enable, command.brake), ([true; 2], false));
+}
+
+#[test]
 fn a_stop_on_the_path_leaves_the_brakes_free() {
     let mut rig = free(&braked());
     push_line(&mut rig);
