@@ -3,7 +3,7 @@
 use crate::error;
 use crate::robot::Robot;
 use fivebar_files::robot::BuiltIn;
-use fivebar_files::scenario::Scenario as Described;
+use fivebar_files::scenario::{ControlLaw, Scenario as Described};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
 use fivebar_plant::Mismatch;
@@ -70,14 +70,14 @@ impl Scenario {
         scenario.origin = origin.or(scenario.origin);
         scenario.scale = scale.unwrap_or(scenario.scale);
         scenario.seed = seed.unwrap_or(scenario.seed);
-        scenario.computed_torque = computed_torque.unwrap_or(scenario.computed_torque);
+        scenario.control_law = computed_torque.map_or(scenario.control_law, ControlLaw::from_key);
         change(&mut scenario.mismatch, mismatch)?;
         let mut interrupt = None;
         let done = py.detach(|| {
             let job = scenario.job()?;
             scenario.check(&job)?;
             let mut target = Interruptible {
-                controller: scenario.controller(scenario.computed_torque)?,
+                controller: scenario.controller()?,
                 ticks: 0,
                 interrupt: &mut interrupt,
             };

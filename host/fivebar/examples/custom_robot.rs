@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scenario = Scenario::new("a square", robot, "square.gcode", JOB.into());
     let job = scenario.job()?;
     scenario.check(&job)?;
-    let (summary, record) = scenario.simulate(&job, true, &mut |_| ())?;
+    let (summary, record) = scenario.simulate(&job, &mut |_| ())?;
     let [torque1, torque4] = summary.peak_torque_nm;
     println!(
         "{:.1} µm RMS, {:.1} µm at most; torques up to {torque1:.2} and {torque4:.2} N·m",

@@ -33,7 +33,7 @@ pub(super) fn by_cause(
                 mismatch,
                 ..scenario.clone()
             };
-            let (summary, _) = alone.simulate(job, alone.computed_torque, &mut |_| ())?;
+            let (summary, _) = alone.simulate(job, &mut |_| ())?;
             Ok(CauseError::new(cause, &summary))
         })
         .collect();

@@ -53,7 +53,7 @@ pub fn find_demo_scale(robot: &Robot) -> Result<f64, DemoScaleError> {
         Err(error) => return Err(DemoScaleError::Run(scenario, error)),
     }
     let job = scenario.job()?;
-    match scenario.simulate(&job, true, &mut |_| ()) {
+    match scenario.simulate(&job, &mut |_| ()) {
         Ok((_, record)) if record.faults.is_empty() => Ok(scenario.scale),
         Ok((_, record)) => Err(DemoScaleError::Stopped(scenario, Box::new(record))),
         Err(error) => Err(DemoScaleError::Run(scenario, error)),

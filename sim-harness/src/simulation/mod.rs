@@ -106,23 +106,22 @@ pub trait Simulate {
     /// The robot has no masses or no home pose.
     fn plant(&self) -> Result<Plant, RunError>;
 
-    /// Runs the job in this process, by computed torque or by PID at each joint. Calls `progress` with
-    /// the length of the path that is done [m].
+    /// Runs the job in this process, under the scenario's control law. Calls `progress` with the
+    /// length of the path that is done [m].
     ///
     /// # Errors
     /// Anything that ends the run early, except faults: the record has those.
     fn simulate(
         &self,
         job: &Job,
-        computed_torque: bool,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError>;
 
-    /// A controller in this process, as after a reset, with computed torque or PID at each joint.
+    /// A controller in this process, as after a reset, with the scenario's control law.
     ///
     /// # Errors
     /// The robot has no masses, or the controller refuses its settings.
-    fn controller(&self, computed_torque: bool) -> Result<InProcess, RunError>;
+    fn controller(&self) -> Result<InProcess, RunError>;
 
     /// Runs moves on any controller, else as [`Simulate::simulate`].
     ///
@@ -210,16 +209,15 @@ impl Simulate for Scenario {
     fn simulate(
         &self,
         job: &Job,
-        computed_torque: bool,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        let mut target = self.controller(computed_torque)?;
+        let mut target = self.controller()?;
         self.run_on(&mut target, &self.run_moves(job)?, progress)
     }
 
-    fn controller(&self, computed_torque: bool) -> Result<InProcess, RunError> {
+    fn controller(&self) -> Result<InProcess, RunError> {
         let mut settings = self.robot.settings()?;
-        settings.control.computed_torque = computed_torque;
+        settings.control.computed_torque = self.control_law.is_computed_torque();
         InProcess::new(&settings).map_err(|e| settings_error(self, e))
     }
 

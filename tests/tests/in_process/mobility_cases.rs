@@ -22,7 +22,7 @@ fn compare(cases: &Value) -> Result<(), Box<dyn Error>> {
     let lists = ["parallel", "graph"].map(|kind| cases[kind].as_array().unwrap());
     let mut compared = 0;
     for (case, study) in lists.into_iter().flatten().zip(&studies) {
-        let found = answer(&study.name, &analyse(&study));
+        let found = answer(&study.name, &analyse(study));
         for (key, expected) in case["expected"].as_object().unwrap() {
             if key != NOT_A_RESULT && &found[key] != expected {
                 let found = &found[key];

@@ -43,7 +43,7 @@ fn run(robot: Robot, job: &str) -> Record {
     let scenario = scenario(robot, job);
     let job = scenario.job().expect("valid");
     let (_, record) = scenario
-        .simulate(&job, true, &mut |_| ())
+        .simulate(&job, &mut |_| ())
         .expect("it runs to its end or a fault");
     record
 }
@@ -102,7 +102,7 @@ fn own_bandwidths_are_stable_on_belts_of_any_stiffness() {
     for robot in robots.into_iter().chain([rigid]) {
         let scenario = Scenario::demonstration(robot);
         let job = scenario.job().expect("the demonstration");
-        let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).expect("it runs");
+        let (summary, record) = scenario.simulate(&job, &mut |_| ()).expect("it runs");
         let stiffness = scenario.robot.actuators.expect("drives")[0].stiffness;
         assert_eq!(record.faults, [], "{stiffness:?}");
         let greatest = if stiffness.is_some() { 1e-3 } else { 3.5e-6 };
@@ -123,7 +123,7 @@ fn declared_latency_and_encoder_errors_cost_at_most_a_tenth_of_the_tip_error() {
         let robot = benchtop(&[("gravity", gravity), ("encoder_counts", &encoder)]);
         let scenario = Scenario::demonstration(robot);
         let job = scenario.job().expect("the demonstration");
-        let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).expect("it runs");
+        let (summary, record) = scenario.simulate(&job, &mut |_| ()).expect("it runs");
         assert_eq!(record.faults, [], "{gravity} {encoder}");
         summary.tip_error.rms_m
     };

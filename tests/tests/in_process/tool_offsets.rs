@@ -53,7 +53,7 @@ fn draws(robot: Robot) -> bool {
         .unwrap_or_else(|error| panic!("{what}: {error}"));
     scenario.scale = scenario.scale.min(SCALE);
     let job = scenario.job().expect("a job");
-    let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).expect("a run");
+    let (summary, record) = scenario.simulate(&job, &mut |_| ()).expect("a run");
     assert_eq!(record.faults, [], "{what}");
     let end = record.trace.samples().last().expect("samples");
     let last = job

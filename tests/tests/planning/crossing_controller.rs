@@ -213,7 +213,7 @@ fn a_job_crosses_and_comes_back() {
         scenario.time_optimal = share;
         let job = scenario.job().unwrap();
         scenario.check(&job).unwrap();
-        let (_, record) = scenario.simulate(&job, true, &mut |_| ()).unwrap();
+        let (_, record) = scenario.simulate(&job, &mut |_| ()).unwrap();
         assert_eq!(record.faults, []);
         let samples = record.trace.samples();
         let there = samples

@@ -29,7 +29,7 @@ fn the_demonstration_takes_a_third_of_the_time_under_the_declared_mismatch() {
     let job = scenario.job().unwrap();
     let time = motion(&scenario.run_moves(&job).unwrap());
     assert!(time < 3.2, "{time} s");
-    let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).unwrap();
+    let (summary, record) = scenario.simulate(&job, &mut |_| ()).unwrap();
     assert_eq!(summary.faults, Vec::<String>::new());
     // Fourteen dwells of 40 ms, and the few milliseconds to the place where the job begins.
     let whole = record.job_time.unwrap();
@@ -48,7 +48,7 @@ fn an_identified_arm_uses_more_of_its_torque() {
     let job = scenario.job().unwrap();
     let time = motion(&scenario.run_moves(&job).unwrap());
     assert!(time < 2.6, "{time} s");
-    let (summary, _) = scenario.simulate(&job, true, &mut |_| ()).unwrap();
+    let (summary, _) = scenario.simulate(&job, &mut |_| ()).unwrap();
     assert_eq!(summary.faults, Vec::<String>::new());
     assert_eq!(summary.saturated_ticks, 0);
     assert!(summary.tip_error.max_m < 3e-4, "{:?}", summary.tip_error);

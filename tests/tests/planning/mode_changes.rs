@@ -172,7 +172,7 @@ fn a_job_makes_all_twelve_changes_and_draws_in_each_mode() {
     let mut scenario = Scenario::new("tour", robot, "tour", text);
     scenario.origin = Some(point);
     let job = scenario.job().unwrap();
-    let (summary, record) = scenario.simulate(&job, true, &mut |_| ()).unwrap();
+    let (summary, record) = scenario.simulate(&job, &mut |_| ()).unwrap();
     assert_eq!(summary.faults, Vec::<String>::new());
     assert_eq!(summary.saturated_ticks, 0);
     let tool = scenario

@@ -3,6 +3,7 @@
 use crate::jobs::{RandomJob, robots};
 use crate::number;
 use crate::watched::Watched;
+use fivebar_files::scenario::ControlLaw;
 use fivebar_sim::link::TargetError;
 use fivebar_sim::simulation::{RunError, Simulate};
 use fivebar_stress::limits::Reached;
@@ -19,11 +20,9 @@ fn random_jobs_on_every_arm_keep_the_rules_and_the_limits() {
         let [mut moves, mut done, mut faults, mut refused] = [0; 4];
         let mut reached = Reached::default();
         while simulated < seconds {
-            let job = RandomJob::new(robot.clone(), seed);
-            let controller = job
-                .scenario
-                .controller(seed % 8 != 0)
-                .expect("a controller");
+            let mut job = RandomJob::new(robot.clone(), seed);
+            job.scenario.control_law = ControlLaw::from_key(seed % 8 != 0);
+            let controller = job.scenario.controller().expect("a controller");
             let mut target = Watched::new(controller, &settings, &job.moves);
             let outcome = job.scenario.run_on(&mut target, &job.moves, &mut |_| ());
             match outcome {

@@ -58,7 +58,7 @@ fn drawing(c: &mut Criterion) {
     let text = include_str!("../../../host/files/jobs/petal.gcode");
     let scenario = Scenario::new("petal", robot, "petal.gcode", text.into());
     let job = scenario.job().unwrap();
-    let run = || scenario.simulate(&job, true, &mut |_| ()).unwrap();
+    let run = || scenario.simulate(&job, &mut |_| ()).unwrap();
     let (summary, _) = run();
     let mut group = c.benchmark_group("simulation");
     group.throughput(Throughput::Elements(summary.ticks));

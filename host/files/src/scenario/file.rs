@@ -1,7 +1,7 @@
 //! The scenario file: its keys and its reading.
 
 use super::fault_entry::FaultEntry;
-use super::{Scenario, ScenarioError};
+use super::{ControlLaw, Scenario, ScenarioError};
 use crate::job::{self, JobOptions};
 use crate::robot::{BuiltIn, Robot};
 use crate::source::{FileError, Key, Source};
@@ -118,7 +118,7 @@ impl Scenario {
             clearance: None,
             initial_faults,
             faults,
-            computed_torque: file.computed_torque,
+            control_law: ControlLaw::from_key(file.computed_torque),
             time_optimal: None,
         })
     }

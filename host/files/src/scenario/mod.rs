@@ -1,5 +1,6 @@
 //! Scenarios: a robot, a job, a mismatch and injected faults.
 
+mod control_law;
 mod crossing;
 mod fault_entry;
 mod file;
@@ -11,6 +12,7 @@ use crate::robot::{HomeError, Robot};
 use crate::source::FileError;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault, Wiring};
 
+pub use control_law::ControlLaw;
 pub use crossing::crossing_move;
 pub use mode_change::{ModeChangeError, RefusedModeChange, change_of_mode};
 pub use placement::RefusedMove;
@@ -55,9 +57,8 @@ pub struct Scenario {
     pub initial_faults: Vec<FaultKind>,
     /// Faults that are injected during the job; their times count from its beginning.
     pub faults: Vec<PlantFault>,
-    /// Whether control is by computed torque; else by a PID at each joint with
-    /// feed-forward of acceleration and friction.
-    pub computed_torque: bool,
+    /// The control law of the controller.
+    pub control_law: ControlLaw,
     /// Plan the job time-optimally with this share of the torque limits, 0 to 1; none: the
     /// controller plans it.
     pub time_optimal: Option<f64>,
@@ -119,7 +120,7 @@ impl Scenario {
             clearance: None,
             initial_faults: Vec::new(),
             faults: Vec::new(),
-            computed_torque: true,
+            control_law: ControlLaw::ComputedTorque,
             time_optimal: None,
         }
     }

@@ -1,7 +1,7 @@
 //! Checks docs/use/robot-file.md: its examples are valid, and its defaults are those of the program.
 
 use fivebar_files::robot::Robot;
-use fivebar_files::scenario::Scenario;
+use fivebar_files::scenario::{ControlLaw, Scenario};
 use fivebar_firmware::settings::{Row, rows};
 
 const DOCUMENT: &str = include_str!("../../../../docs/use/robot-file.md");
@@ -70,7 +70,12 @@ fn the_scenario_of_the_document_is_read_with_its_defaults() {
     let bare = load("bare.toml", "job = 'petal.gcode'\n");
     assert_eq!(bare.mismatch, whole.mismatch);
     assert_eq!((bare.seed, bare.scale), (whole.seed, whole.scale));
-    assert_eq!(bare.computed_torque, whole.computed_torque);
+    assert_eq!(bare.control_law, whole.control_law);
+    let pid = load("pid.toml", "job = 'petal.gcode'\ncomputed_torque = false\n");
+    assert_eq!(
+        (whole.control_law, pid.control_law),
+        (ControlLaw::ComputedTorque, ControlLaw::Pid)
+    );
     assert_eq!(bare.robot, whole.robot);
     assert_eq!((bare.faults.len(), whole.faults.len()), (0, 1));
     assert_eq!(

@@ -5,7 +5,7 @@ use super::output::OutputArgs;
 use super::run_args::RunArgs;
 use super::say::{say, warn};
 use fivebar_files::job::Job;
-use fivebar_files::scenario::Scenario;
+use fivebar_files::scenario::{ControlLaw, Scenario};
 use fivebar_report::pages::RunReport;
 use fivebar_report::text::{self, conditions, fault_and_next_step, quantity, stopped_by};
 use fivebar_sim::simulation::{CauseError, Record, RunError, Simulate, Summary, TipError};
@@ -44,11 +44,15 @@ pub(super) fn simulate(
     let (ours, pid) = rayon::join(
         || {
             let progress = &mut |done| bar.set_position(millimetres(done));
-            scenario.simulate(&job, scenario.computed_torque, progress)
+            scenario.simulate(&job, progress)
         },
         || {
-            let compared = scenario.computed_torque;
-            compared.then(|| scenario.simulate(&job, false, &mut |_| ()))
+            let compared = scenario.control_law != ControlLaw::Pid;
+            let pid = Scenario {
+                control_law: ControlLaw::Pid,
+                ..scenario.clone()
+            };
+            compared.then(|| pid.simulate(&job, &mut |_| ()))
         },
     );
     bar.finish_and_clear();

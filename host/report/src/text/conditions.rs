@@ -16,13 +16,8 @@ pub fn conditions(scenario: &Scenario) -> Vec<(String, String)> {
         .iter()
         .map(|f| format!("{:?} at {} s", f.kind, f.at));
     let faults: Vec<_> = initial.chain(later).collect();
-    let control = if scenario.computed_torque {
-        "computed torque"
-    } else {
-        "PID at each joint with feed-forward"
-    };
     let mut conditions = vec![
-        ("control", control.into()),
+        ("control", scenario.control_law.to_string()),
         (
             "link masses and inertias",
             format!("{:+.0} %", 100.0 * mismatch.link_mass),

@@ -119,9 +119,7 @@ fn run(
         clearance,
         error: Box::new(error),
     };
-    let (summary, record) = worn
-        .simulate(job, scenario.computed_torque, &mut |_| ())
-        .map_err(refused)?;
+    let (summary, record) = worn.simulate(job, &mut |_| ()).map_err(refused)?;
     Ok(Outcome {
         clearance,
         summary,
