@@ -59,7 +59,7 @@ struct Link {
 }
 
 /// Any free port, and jobs as the controller plans them.
-fn options(guard: Guard) -> ServeOptions<'static> {
+fn options(guard: Guard) -> ServeOptions {
     ServeOptions {
         address: "127.0.0.1:0".parse().expect("an address"),
         guard,

@@ -4,4 +4,5 @@ pub mod bridge;
 pub mod cli;
 mod commission;
 pub mod doctor;
+pub mod senders;
 pub mod serve;

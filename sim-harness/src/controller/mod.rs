@@ -2,10 +2,11 @@
 
 mod command_error;
 mod pace;
+mod session;
 mod simulated;
 mod source;
 
 pub use command_error::sentence;
 pub use pace::SpeedMeter;
-pub use simulated::SteppedArm;
-pub use source::{Connection, ControllerSource, OpenError, Opened, open};
+pub use session::Session;
+pub use source::{Connection, ControllerSource, OpenError, open};

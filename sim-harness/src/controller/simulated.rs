@@ -36,7 +36,7 @@ pub(super) fn line(robot: &Robot) -> Result<Loopback, RunError> {
 
 /// The simulated arm of a board in lockstep. It runs at most in real time, and slower if the
 /// board is slower.
-pub struct SteppedArm {
+pub(super) struct SteppedArm {
     plant: Plant,
     period: f64,
     pace: Pacer,
@@ -53,7 +53,7 @@ impl SteppedArm {
     }
 
     /// Runs some ticks on the board and moves the arm by their outputs.
-    pub fn step<L: Read + Write>(&mut self, board: &mut Client<L>) -> Result<(), LinkError> {
+    pub(super) fn step<L: Read + Write>(&mut self, board: &mut Client<L>) -> Result<(), LinkError> {
         for _ in 0..TICKS_PER_STEP {
             let result = board.tick(self.plant.sense())?;
             self.plant.step(&result.command, self.period);

@@ -1,12 +1,13 @@
 //! The controller that is chosen: simulated, emulated, or on a port.
 
+use super::session::Session;
 use super::simulated::{self, SteppedArm};
 use crate::drive::{Drive, DriveError};
 use crate::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine};
 use crate::simulation::RunError;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::protocol::{Board, CommandError};
-use fivebar_firmware::settings::{CheckedSettings, SettingsError};
+use fivebar_firmware::settings::SettingsError;
 use std::io::{Read, Write};
 use std::path::Path;
 
@@ -58,24 +59,13 @@ pub enum OpenError {
 pub trait Connection: Read + Write + Send {}
 impl<L: Read + Write + Send> Connection for L {}
 
-/// A controller with the settings of the robot.
-pub struct Opened {
-    /// The connection to it.
-    pub client: Client<Box<dyn Connection>>,
-    /// The simulated arm of a board in lockstep.
-    pub stepped: Option<SteppedArm>,
-    /// The robot's settings, which it has.
-    pub settings: CheckedSettings,
-    /// Where the controller runs.
-    pub place: String,
-}
-
-/// Opens the controller and makes sure that it has the robot's settings.
+/// Opens the controller and makes sure that it has the robot's settings. Returns the session with it,
+/// and where it runs.
 ///
 /// # Errors
 /// The port cannot be opened, the robot cannot be simulated, or the controller has settings for
 /// another arm or does not reply.
-pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<Opened, OpenError> {
+pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, String), OpenError> {
     let line: Box<dyn Connection> = match source {
         ControllerSource::Simulated => Box::new(simulated::line(robot)?),
         ControllerSource::Emulated(image) => Box::new(Emulator::start(image)?),
@@ -101,10 +91,5 @@ pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<Opened, OpenE
             }
         }
     };
-    Ok(Opened {
-        client,
-        stepped,
-        settings,
-        place: place.into(),
-    })
+    Ok((Session::new(client, stepped, settings)?, place.into()))
 }

@@ -1,3 +1,4 @@
-//! What jobs ask of an arm at home.
+//! What jobs ask of an arm at home, and how a session ends.
 
 mod approach;
+mod session;

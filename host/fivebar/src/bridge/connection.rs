@@ -2,7 +2,7 @@
 //! is written to.
 //!
 //! Each connection has a thread that reads and one that writes, so that neither a silent nor a
-//! slow sender delays the machine. Nothing is read before the machine has given the connection
+//! slow sender delays the controller's thread. Nothing is read before the slot has given the connection
 //! control, and one connection has it at a time.
 
 use super::protocol::{Gate, Input, RealTime};
@@ -18,13 +18,13 @@ use std::time::{Duration, Instant};
 
 /// Answers that may wait for a sender that does not read.
 const ANSWERS: usize = 4096;
-/// Lines and commands of senders that may wait for the machine.
+/// Lines and commands of senders that may wait for the controller's thread.
 const EVENTS: usize = 1 << 14;
 /// Reports that a sender may ask for until one is sent: more than senders ask for in ten seconds.
 const MOST_REPORTS: u32 = 1000;
 const FLOODS: &str = "the sender sends faster than it is served, and is disconnected";
 
-/// What the connections tell the machine.
+/// What the connections send to the sender slot.
 pub(super) enum Event {
     /// A sender asks for control.
     Asks(Visitor),
@@ -60,7 +60,7 @@ pub(super) struct Presence {
     pub(super) peer: String,
     begun: Instant,
     /// When the latest byte came [ms after `begun`].
-    heard: AtomicU64,
+    received: AtomicU64,
     /// Reports that the sender waits for. One answers all that were asked for meanwhile, as Grbl does.
     reports: AtomicU32,
     /// Why the connection has ended.
@@ -72,7 +72,7 @@ impl Presence {
         Arc::new(Self {
             peer,
             begun: Instant::now(),
-            heard: AtomicU64::new(0),
+            received: AtomicU64::new(0),
             reports: AtomicU32::new(0),
             ended: OnceLock::new(),
         })
@@ -80,8 +80,8 @@ impl Presence {
 
     /// Time since the latest byte.
     pub(super) fn silence(&self) -> Duration {
-        let heard = Duration::from_millis(self.heard.load(Ordering::SeqCst));
-        self.begun.elapsed().saturating_sub(heard)
+        let received = Duration::from_millis(self.received.load(Ordering::SeqCst));
+        self.begun.elapsed().saturating_sub(received)
     }
 
     /// Whether the sender has asked for a report since the last call.
@@ -94,13 +94,13 @@ impl Presence {
         self.ended.get().map(String::as_str)
     }
 
-    fn hear(&self) {
+    fn receive(&self) {
         let time = self.begun.elapsed().as_millis() as u64;
-        self.heard.store(time, Ordering::SeqCst);
+        self.received.store(time, Ordering::SeqCst);
     }
 }
 
-/// The way to a sender.
+/// The output to a sender.
 pub(super) struct Outlet {
     pub(super) presence: Arc<Presence>,
     /// A text to send; none: disconnect the sender.
@@ -110,7 +110,7 @@ pub(super) struct Outlet {
 
 impl Outlet {
     /// Starts a thread that writes answers until one cannot be written, the connection has ended, or
-    /// the machine has dropped the way to it.
+    /// the slot has dropped the connection.
     pub(super) fn start(
         presence: Arc<Presence>,
         mut write: impl FnMut(&str) -> bool + Send + 'static,
@@ -155,7 +155,7 @@ impl Outlet {
     }
 }
 
-/// What connections and machine share, past the queue of events.
+/// What connections and the sender slot share, past the queue of events.
 #[derive(Default)]
 pub(super) struct Shared {
     /// A stop with the bridges off was asked for. It is in the queue of events too, where it ends
@@ -193,7 +193,7 @@ pub(super) struct Desk {
 }
 
 impl Desk {
-    /// Asks for control; returns whether it was given. Waits for the machine's next look.
+    /// Asks for control; returns whether it was given. Waits until the slot has answered.
     pub(super) fn ask(&self, outlet: Outlet) -> bool {
         let (verdict, given) = mpsc::sync_channel(1);
         let visitor = Visitor { outlet, verdict };
@@ -220,7 +220,7 @@ impl Desk {
         read: impl FnMut(&mut [u8]) -> io::Result<usize>,
     ) {
         let why = self.why_it_ends(presence, gate, read);
-        // This is its only place.
+        // It is set here only.
         let _ = presence.ended.set(why);
     }
 
@@ -248,7 +248,7 @@ impl Desk {
                 }
                 Err(error) => return format!("the connection to the sender failed: {error}"),
             };
-            presence.hear();
+            presence.receive();
             for &byte in &bytes[..count] {
                 let inputs = match gate.feed(byte) {
                     Ok(inputs) => inputs,
@@ -276,27 +276,44 @@ impl Desk {
     }
 }
 
-/// The address and the terminal where senders connect, each if it is there, and their events.
-pub(super) type Listening = (Option<SocketAddr>, Option<String>, Receiver<Event>);
+/// The slot's end of all connections.
+pub(super) struct Connections {
+    pub(super) events: Receiver<Event>,
+    pub(super) shared: Arc<Shared>,
+}
+
+/// The address and the terminal where senders connect, each if it is there.
+pub(super) struct Listening {
+    pub(super) address: Option<SocketAddr>,
+    pub(super) terminal: Option<String>,
+    pub(super) connections: Connections,
+}
 
 /// Starts the threads that accept senders: at a pseudo-terminal if this system has one, and over
 /// TCP if an address is given.
 pub(super) fn listen(
     address: Option<SocketAddr>,
     dialect: Option<Dialect>,
-    shared: &Arc<Shared>,
 ) -> Result<Listening, BridgeError> {
     let (events, receiver) = mpsc::sync_channel(EVENTS);
+    let shared = Arc::<Shared>::default();
     let desk = Desk {
-        shared: Arc::clone(shared),
+        shared: Arc::clone(&shared),
         events,
         dialect,
     };
-    let bound = address.map(|address| network::listen(address, desk.clone()));
-    let bound = bound.transpose()?;
+    let address = address.map(|address| network::listen(address, desk.clone()));
+    let address = address.transpose()?;
     let terminal = terminal::open(desk).map_err(BridgeError::Terminal)?;
-    if bound.is_none() && terminal.is_none() {
+    if address.is_none() && terminal.is_none() {
         return Err(BridgeError::NoTerminal);
     }
-    Ok((bound, terminal, receiver))
+    Ok(Listening {
+        address,
+        terminal,
+        connections: Connections {
+            events: receiver,
+            shared,
+        },
+    })
 }

@@ -1,4 +1,4 @@
-//! A log of the arm's path: a line for each time the machine has read the status.
+//! A log of the arm's path: a line for each status.
 
 use fivebar_firmware::Status;
 use fivebar_firmware::safety::State;

@@ -6,42 +6,43 @@
 //! | `connection` | a sender's connection: a thread each way |
 //! | `network`, `terminal` | senders over TCP and at a pseudo-terminal |
 //! | `sender` | the sender in control: its lines, and the answers to them |
-//! | `machine`, `events` | the thread of the controller: stops at once, lines in order, reports |
-//! | `view` | what reports tell of the machine |
-//! | `seat` | the machine as a part of the live page's server |
-//! | `log` | the arm's path as a table |
+//! | `slot`, `events` | the slot of the sender in control: stops at once, lines in order |
 //! | `orders` | what each order of a line does |
+//! | `path_state` | the sender's path, and how far the controller is with it |
+//! | `view` | what reports show |
+//! | `page_senders` | the sender slot of the live page's server |
+//! | `log` | the arm's path as a table |
 //!
 //! A line is answered when few of its moves wait for the controller, so a sender waits while the
-//! controller has enough. Stops, reports and the way on pass the waiting lines, and an
-//! emergency stop passes the queue of events too: the machine looks for it before each exchange
-//! with the controller.
+//! controller has enough. Stops, reports and the command to go on pass the waiting lines, and an
+//! emergency stop passes the queue of events too: the thread of the controller looks for it before
+//! each exchange with the controller.
 
 mod connection;
 mod events;
 mod log;
-mod machine;
 mod network;
 mod orders;
+mod page_senders;
+mod path_state;
 mod protocol;
-mod seat;
 mod sender;
+mod slot;
 mod terminal;
 mod view;
 
-use connection::Shared;
+use crate::senders::Endpoints;
 use fivebar_files::job::{Dialect, JobOptions, Placement};
 use fivebar_files::robot::{HomeError, Robot};
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_sim::controller;
 use fivebar_sim::controller::{ControllerSource, OpenError};
 use log::PathLog;
-pub(crate) use machine::Machine;
-pub(crate) use seat::Seat;
+pub(crate) use page_senders::listen;
+use slot::SenderSlot;
+use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::{fmt, io};
 
 /// What the bridge is asked for.
 #[derive(Clone, Debug)]
@@ -68,42 +69,6 @@ impl BridgeOptions {
             reading: JobOptions::default(),
             log: None,
         }
-    }
-}
-
-/// Where the bridge is reached.
-#[derive(Clone, Debug)]
-pub struct Endpoints {
-    /// The address for TCP, if it was asked for.
-    pub address: Option<SocketAddr>,
-    /// The pseudo-terminal, on systems that have them.
-    pub terminal: Option<String>,
-    /// Where the controller runs.
-    pub place: String,
-}
-
-/// The address and the terminal, two words.
-impl fmt::Display for Endpoints {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.address {
-            Some(address) => write!(f, "{address}")?,
-            None => write!(f, "no-tcp")?,
-        }
-        write!(f, " {}", self.terminal.as_deref().unwrap_or("no-terminal"))
-    }
-}
-
-impl Endpoints {
-    /// Who can move the arm over TCP, if anybody can.
-    pub fn warning(&self) -> Option<String> {
-        let address = self.address?;
-        let who = match address.ip().is_loopback() {
-            true => "every user and program of this computer",
-            false => "every computer that reaches it",
-        };
-        Some(format!(
-            "WARNING: no password protects {address}: {who} can move the arm there"
-        ))
     }
 }
 
@@ -158,32 +123,45 @@ pub fn bridge(
     note: Box<dyn Fn(&str) + Send + '_>,
     ends: &dyn Fn() -> bool,
 ) -> Result<(), BridgeError> {
-    let placement = placement(robot, options)?;
-    let opened = controller::open(robot, source)?;
-    let place = opened.place.clone();
-    let log = log_of(options, &opened.settings)?;
-    let shared = Arc::new(Shared::default());
-    let (address, terminal, events) =
-        connection::listen(options.address, options.dialect, &shared)?;
-    let mut machine = machine::Machine::new(opened, placement, options, events, shared, note, log)
+    let reading = Reading::new(robot, options)?;
+    let (mut session, place) = controller::open(robot, source)?;
+    let log = log_of(options, &session.settings)?;
+    let listening = connection::listen(options.address, options.dialect)?;
+    let mut slot = SenderSlot::new(&mut session, reading, listening.connections, note, log)
         .map_err(OpenError::from)?;
     ready(&Endpoints {
-        address,
-        terminal,
+        address: listening.address,
+        terminal: listening.terminal,
         place,
     });
-    Ok(machine.run(ends).map_err(OpenError::from)?)
+    Ok(slot.run(&mut session, ends).map_err(OpenError::from)?)
 }
 
-/// Where X0 Y0 is before any G92.
-fn placement(robot: &Robot, options: &BridgeOptions) -> Result<Placement, HomeError> {
-    let home = robot.tool_at(&robot.home_pose()?);
-    Ok(Placement {
-        origin: options.origin.unwrap_or(home),
-        scale: 1.0,
-        turn: 0.0,
-        home,
-    })
+/// How the lines of a new sender are read.
+struct Reading {
+    /// Where X0 Y0 is before any G92.
+    placement: Placement,
+    /// How lines are read where they leave it open.
+    options: JobOptions,
+    /// The only dialect; none: Grbl's until a line is RepRap's.
+    dialect: Option<Dialect>,
+}
+
+impl Reading {
+    fn new(robot: &Robot, options: &BridgeOptions) -> Result<Self, HomeError> {
+        let home = robot.tool_at(&robot.home_pose()?);
+        let placement = Placement {
+            origin: options.origin.unwrap_or(home),
+            scale: 1.0,
+            turn: 0.0,
+            home,
+        };
+        Ok(Self {
+            placement,
+            options: options.reading,
+            dialect: options.dialect,
+        })
+    }
 }
 
 fn log_of(

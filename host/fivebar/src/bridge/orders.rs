@@ -1,9 +1,10 @@
 //! What each order of a line does.
 
-use super::machine::{Machine, Phase};
 use super::protocol::{Order, Refusal};
+use super::slot::{Phase, SenderSlot};
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{Move, Request};
+use fivebar_firmware::{Move, Request, Status};
+use fivebar_sim::controller::Session;
 use fivebar_sim::link::LinkError;
 use fivebar_sim::simulation::fault_name;
 use std::time::Instant;
@@ -22,27 +23,36 @@ pub(super) enum Progress {
     Refused(Refusal),
 }
 
-impl Machine<'_> {
-    pub(super) fn execute(&mut self, order: Order) -> Result<Progress, LinkError> {
+impl SenderSlot<'_> {
+    pub(super) fn execute(
+        &mut self,
+        session: &mut Session,
+        order: Order,
+    ) -> Result<Progress, LinkError> {
         match order {
-            Order::Moves(moves) => self.add(&moves, false),
-            Order::Jog(moves) => self.add(&moves, true),
-            Order::Accepted if self.phase == Phase::Ready && self.path.waiting() < WAITING => {
+            Order::Moves(moves) => self.add(session, &moves, false),
+            Order::Jog(moves) => self.add(session, &moves, true),
+            Order::Accepted
+                if self.phase == Phase::Ready && self.path.queue.waiting() < WAITING =>
+            {
                 Ok(Progress::Done)
             }
             Order::Finish if self.rests() => Ok(Progress::Done),
             Order::Pause if self.rests() => {
-                self.phase = Phase::Hold { rests: true };
+                self.phase = Phase::Held;
                 Ok(Progress::Begun(Order::Resumed))
             }
             Order::Resumed if self.phase == Phase::Ready => Ok(Progress::Done),
-            Order::Home => self.home(),
-            Order::Homed => self.homed(),
+            Order::Home => self.home(session),
+            Order::Homed => self.homed(session),
             Order::Unlock => {
-                let Some(fault) = self.status.fault else {
+                let Some(fault) = session.status.fault else {
                     return Ok(Progress::Done);
                 };
-                let left = self.clears_from.saturating_duration_since(Instant::now());
+                let left = self
+                    .fault
+                    .clears_from
+                    .saturating_duration_since(Instant::now());
                 if !left.is_zero() {
                     let why = format!(
                         "{} is latched: wait {:.1} s, then clear it",
@@ -51,10 +61,10 @@ impl Machine<'_> {
                     );
                     return Ok(Progress::Refused(Refusal::locked(why)));
                 }
-                self.locked_until(Request::ClearFault)
+                self.locked_until(session, Request::ClearFault)
             }
-            Order::Disarm if self.status.state == State::Armed => {
-                self.locked_until(Request::Disarm)
+            Order::Disarm if session.status.state == State::Armed => {
+                self.locked_until(session, Request::Disarm)
             }
             Order::Disarm => Ok(Progress::Done),
             Order::Accepted | Order::Finish | Order::Pause | Order::Resumed => Ok(Progress::Waits),
@@ -63,20 +73,25 @@ impl Machine<'_> {
 
     /// Whether the arm rests at the end of its path.
     fn rests(&self) -> bool {
-        self.phase == Phase::Ready && self.path.is_empty()
+        self.phase == Phase::Ready && self.path.queue.is_empty()
     }
 
     /// Adds moves to the path, if the controller will accept all of them. The first one arms.
-    fn add(&mut self, moves: &[Move], is_jog: bool) -> Result<Progress, LinkError> {
-        if self.phase != Phase::Ready || self.path.waiting() >= WAITING {
+    fn add(
+        &mut self,
+        session: &mut Session,
+        moves: &[Move],
+        is_jog: bool,
+    ) -> Result<Progress, LinkError> {
+        if self.phase != Phase::Ready || self.path.queue.waiting() >= WAITING {
             return Ok(Progress::Waits);
         }
-        if let Some(refusal) = self.latched() {
+        if let Some(refusal) = latched(&session.status) {
             return Ok(Progress::Refused(refusal));
         }
-        let mut from = self.path.end();
+        let mut from = self.path.queue.end();
         if from.is_none() {
-            from = self.status.reference.or(self.status.tool);
+            from = session.status.reference.or(session.status.tool);
         }
         let Some(mut from) = from else {
             let why = "the joint angles are unknown: home first, $H or G28";
@@ -91,65 +106,69 @@ impl Machine<'_> {
                 }
             }
         }
-        if self.status.state == State::Stopped {
-            if let Err(why) = self.request(Request::Arm)? {
+        if session.status.state == State::Stopped {
+            if let Err(why) = session.request(Request::Arm)? {
                 return Ok(Progress::Refused(Refusal::locked(why)));
             }
-            (self.status, _) = self.client.status()?;
+            session.read_status()?;
         }
-        self.path.push(moves);
-        self.jogs = is_jog;
+        self.path.queue.push(moves);
+        self.path.is_jog = is_jog;
         Ok(Progress::Begun(Order::Accepted))
     }
 
-    /// Why nothing may move, if a fault is latched.
-    fn latched(&self) -> Option<Refusal> {
-        let fault = fault_name(self.status.fault?);
-        let why = format!("{fault} is latched: $X or M999 clears it");
-        Some(Refusal::locked(why))
-    }
-
     /// Homes with the bridges off before and after. It clears no fault.
-    fn home(&mut self) -> Result<Progress, LinkError> {
-        if let Some(refusal) = self.latched() {
+    fn home(&mut self, session: &mut Session) -> Result<Progress, LinkError> {
+        if let Some(refusal) = latched(&session.status) {
             return Ok(Progress::Refused(refusal));
         }
         if !self.rests() {
             return Ok(Progress::Waits);
-        } else if self.status.state == State::Armed {
-            let _ = self.request(Request::Disarm)?;
-            self.wait_until_off()?;
+        } else if session.status.state == State::Armed {
+            let _ = session.request(Request::Disarm)?;
+            session.wait_until_off()?;
         }
-        if let Err(why) = self.request(Request::Home)? {
+        if let Err(why) = session.request(Request::Home)? {
             return Ok(Progress::Refused(Refusal::locked(why)));
         }
-        (self.status, _) = self.client.status()?;
+        session.read_status()?;
         self.phase = Phase::Homing;
         Ok(Progress::Begun(Order::Homed))
     }
 
-    fn homed(&mut self) -> Result<Progress, LinkError> {
-        if self.status.state == State::Homing {
+    fn homed(&mut self, session: &mut Session) -> Result<Progress, LinkError> {
+        if session.status.state == State::Homing {
             return Ok(Progress::Waits);
         }
-        if self.phase != Phase::Homing && !self.status.homed {
+        if self.phase != Phase::Homing && !session.status.homed {
             return Ok(Progress::Refused(Refusal::locked("homing was stopped")));
         }
         self.phase = Phase::Ready;
-        if self.status.fault.is_some() || !self.status.homed {
+        if session.status.fault.is_some() || !session.status.homed {
             return Ok(Progress::Refused(Refusal::locked("homing has failed")));
         }
-        self.drop_path();
+        self.drop_path(session);
         Ok(Progress::Done)
     }
 
     /// A request after which the arm may stand elsewhere, because nothing has held it.
-    fn locked_until(&mut self, request: Request) -> Result<Progress, LinkError> {
-        if let Err(why) = self.request(request)? {
+    fn locked_until(
+        &mut self,
+        session: &mut Session,
+        request: Request,
+    ) -> Result<Progress, LinkError> {
+        if let Err(why) = session.request(request)? {
             return Ok(Progress::Refused(Refusal::locked(why)));
         }
-        self.wait_until_off()?;
-        self.drop_path();
+        session.wait_until_off()?;
+        self.drop_path(session);
         Ok(Progress::Done)
     }
+}
+
+/// Why nothing may move, if a fault is latched.
+fn latched(status: &Status) -> Option<Refusal> {
+    let fault = fault_name(status.fault?);
+    let why = format!("{fault} is latched: $X or M999 clears it");
+    Some(Refusal::locked(why))
 }

@@ -5,8 +5,9 @@ use super::plan::share;
 use super::port::interrupted;
 use super::say::{say, warn};
 use super::value_error::ValueError;
-use crate::bridge::{BridgeOptions, Endpoints};
+use crate::bridge::{self, BridgeOptions};
 use crate::commission::Options;
+use crate::senders::{Endpoints, Listen};
 use crate::serve::commission::serve as guided;
 use crate::serve::{Guard, ServeError, ServeOptions, serve};
 use fivebar_files::robot::{BuiltIn, Robot};
@@ -157,13 +158,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             }
         }
     };
-    let senders = args.senders.map(BridgeOptions::at);
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);
     let options = ServeOptions {
         address: args.listen,
         guard,
-        senders: senders.as_ref(),
+        senders: args.senders.map(senders_at),
         time_optimal: args.time_optimal.then_some(args.torque_share),
     };
     let served = serve(&robot, source, options, ready, ends);
@@ -171,6 +171,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ServeError::Open(error) => described(error, &args.controller),
         ServeError::Link(error) => described(error.into(), &args.controller),
         other => refused(other),
+    })
+}
+
+/// Senders connect to the bridge, over TCP if an address is given.
+fn senders_at(address: Option<SocketAddr>) -> Listen {
+    let options = BridgeOptions::at(address);
+    Box::new(move |robot, session, place| {
+        bridge::listen(robot, &options, session, place).map_err(Into::into)
     })
 }
 

@@ -13,20 +13,19 @@ use super::move_feeder::{JobStatus, MoveFeeder};
 use super::news::News;
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
-use crate::bridge::{Machine, Seat};
+use crate::senders::Senders;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::Status;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::Fault;
 use fivebar_kinematics::five_bar::Side;
-use fivebar_sim::controller::Opened;
-use fivebar_sim::controller::SpeedMeter;
-use fivebar_sim::controller::sentence;
+use fivebar_sim::controller::{Session, SpeedMeter, sentence};
 use fivebar_sim::link::LinkError;
 use fivebar_sim::simulation::fault_name;
 use fivebar_sim::time_optimal::JobPlanner;
-use std::sync::{Arc, mpsc};
+use std::iter;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// States sent to pages per second of the controller's time [Hz].
@@ -40,10 +39,9 @@ const MOST_PLACES: usize = 32;
 
 /// One controller and the pages that show it.
 pub(super) struct ControllerThread {
-    /// The controller, and the sender of G-code that may be in control of it.
-    pub(super) machine: Machine<'static>,
-    /// What the machine tells the pages.
-    notes: mpsc::Receiver<String>,
+    pub(super) session: Session,
+    /// Senders of G-code, one of which may be in control of the controller.
+    pub(super) senders: Option<Box<dyn Senders>>,
     pub(super) pages: ControllerEnd,
     pub(super) news: News,
     pub(super) preview: Preview,
@@ -80,30 +78,24 @@ pub(super) struct LoadedJob {
 impl ControllerThread {
     /// Starts the controller's telemetry.
     pub(super) fn new(
-        opened: Opened,
-        seat: Seat,
+        mut session: Session,
+        senders: Option<Box<dyn Senders>>,
         robot: Robot,
         planner: Option<JobPlanner>,
         pages: ControllerEnd,
         news: News,
     ) -> Result<Self, ServeError> {
-        let samples = if opened.stepped.is_some() {
+        let samples = if session.is_in_lockstep() {
             SAMPLES_STEPPED
         } else {
             SAMPLES
         };
-        let (tell, notes) = mpsc::channel();
-        // It fails only when this thread has ended.
-        let note = move |text: &str| drop(tell.send(text.to_owned()));
-        let mut machine = seat
-            .machine(&robot, opened, Box::new(note))
-            .map_err(Box::new)?;
-        let every = (machine.settings.control.tick_rate / samples) as u16;
-        machine.client.call(HostCommand::Telemetry { every })?;
-        let preview = Preview::new(&machine.settings);
+        let every = (session.settings.control.tick_rate / samples) as u16;
+        session.client.call(HostCommand::Telemetry { every })?;
+        let preview = Preview::new(&session.settings);
         Ok(Self {
-            machine,
-            notes,
+            session,
+            senders,
             pages,
             news,
             jobs: JobThread::start(robot, preview.clone(), planner),
@@ -128,29 +120,25 @@ impl ControllerThread {
         while !ends() {
             self.cycle()?;
         }
-        Ok(self.machine.stop_arm()?)
+        Ok(self.session.stop_arm()?)
     }
 
     fn cycle(&mut self) -> Result<(), LinkError> {
         self.handle_events()?;
         self.take_prepared_job();
         self.change_mode_if_wanted();
-        let admits = self.rests() && !self.feeder.is_running();
-        if self.machine.serve_seat(admits)? {
-            let status = self.machine.status;
+        if self.serve_senders()? {
+            let status = self.session.status;
             self.note_place(&status);
             self.feeder.drop_target();
         } else {
             self.feed_controller()?;
         }
-        while let Ok(note) = self.notes.try_recv() {
-            self.notice(&note);
-        }
         self.stop_if_asked()?;
-        self.machine.pass_time()?;
-        while let Some(sample) = self.machine.client.take_telemetry() {
-            let homed = sample.status.homed && !self.machine.status.homed;
-            self.machine.status = sample.status;
+        self.session.pass_time()?;
+        while let Some(sample) = self.session.client.take_telemetry() {
+            let homed = sample.status.homed && !self.session.status.homed;
+            self.session.status = sample.status;
             let job = self.feeder.follow(&sample.status);
             self.report_job(job);
             if homed {
@@ -160,6 +148,26 @@ impl ControllerThread {
             self.send_state()?;
         }
         Ok(())
+    }
+
+    /// Serves the sender in control; returns whether there is one.
+    fn serve_senders(&mut self) -> Result<bool, LinkError> {
+        let admits = self.rests() && !self.feeder.is_running();
+        let Some(senders) = &mut self.senders else {
+            return Ok(false);
+        };
+        let is_in_control = senders.serve(&mut self.session, admits)?;
+        let notes: Vec<_> = iter::from_fn(|| senders.take_note()).collect();
+        for note in notes {
+            self.notice(&note);
+        }
+        Ok(is_in_control)
+    }
+
+    /// Whether a sender is in control.
+    pub(super) fn is_sender_in_control(&self) -> bool {
+        let senders = self.senders.as_ref();
+        senders.is_some_and(|senders| senders.is_in_control())
     }
 
     /// Handles what pages ask for, up to a request for which the controller was asked.
@@ -226,7 +234,7 @@ impl ControllerThread {
         if !self.may_feed()? {
             return Ok(());
         }
-        let (status, mut room) = self.machine.client.status()?;
+        let (status, mut room) = self.session.client.status()?;
         self.note_place(&status);
         let job = self.feeder.update(&status, room);
         self.report_job(job);
@@ -234,7 +242,7 @@ impl ControllerThread {
             let Some(next) = self.feeder.next(room) else {
                 break;
             };
-            match self.machine.client.call(HostCommand::Move(next))? {
+            match self.session.client.call(HostCommand::Move(next))? {
                 Reply::Refused(CommandError::Move(refusal))
                     if refusal.kind == MoveErrorKind::Full =>
                 {
@@ -265,10 +273,10 @@ impl ControllerThread {
     }
 
     fn send_state(&mut self) -> Result<(), LinkError> {
-        if self.sent_fault != Some(self.machine.status.fault) {
-            self.sent_fault = Some(self.machine.status.fault);
-            let snapshot = match self.machine.status.fault {
-                Some(_) => self.machine.client.call(HostCommand::Snapshot)?,
+        if self.sent_fault != Some(self.session.status.fault) {
+            self.sent_fault = Some(self.session.status.fault);
+            let snapshot = match self.session.status.fault {
+                Some(_) => self.session.client.call(HostCommand::Snapshot)?,
                 None => Reply::Snapshot(None),
             };
             if let Reply::Snapshot(snapshot) = snapshot {
@@ -282,10 +290,10 @@ impl ControllerThread {
             }
         }
         // Pages know moves by the lines of the job.
-        let mut status = self.machine.status;
+        let mut status = self.session.status;
         status.tag = status.tag.and_then(|_| self.feeder.line());
         let status = &status;
-        let tick_rate = f64::from(self.machine.settings.control.tick_rate);
+        let tick_rate = f64::from(self.session.settings.control.tick_rate);
         let time = f64::from(status.tick) / tick_rate;
         let now = Instant::now();
         let pose = self.preview.pose(status);
@@ -298,7 +306,7 @@ impl ControllerThread {
             elbows: pose.map(|pose| self.preview.branch(&pose).elbows),
             modes: self.modes.reachable(),
             trail: &self.trail,
-            sender: self.machine.is_taken(),
+            sender: self.is_sender_in_control(),
             control: lease.holder(),
             alive: lease.is_alive(now),
             progress: self.feeder.progress(),

@@ -25,7 +25,7 @@ impl ControllerThread {
         self.run_asked_by = None;
         self.feeder.forget();
         self.run_on = false;
-        let start = self.preview.start(&self.machine.status);
+        let start = self.preview.start(&self.session.status);
         self.jobs.order(Work::Load(page.id, source), start);
         Ok(())
     }
@@ -41,7 +41,7 @@ impl ControllerThread {
         let loaded = self.loaded.as_ref().ok_or("There is no job: load one.")?;
         let job = Arc::clone(&loaded.job);
         self.feeder.forget();
-        let start = self.preview.start(&self.machine.status);
+        let start = self.preview.start(&self.session.status);
         self.jobs.order(Work::Place(job, shift), start);
         Ok(())
     }
@@ -49,7 +49,7 @@ impl ControllerThread {
     /// Has the loaded job checked from the tool's present position.
     pub(super) fn check_job_again(&mut self) {
         if let Some(loaded) = &self.loaded {
-            let start = self.preview.start(&self.machine.status);
+            let start = self.preview.start(&self.session.status);
             if !self.jobs.is_busy() && loaded.start != start {
                 let job = Arc::clone(&loaded.job);
                 self.jobs.order(Work::Check(job), start);
@@ -77,7 +77,7 @@ impl ControllerThread {
         if !self.rests() {
             return Err("The arm is moving: stop it or wait until it rests.".into());
         }
-        if !takes_moves(self.machine.status.state) {
+        if !takes_moves(self.session.status.state) {
             return Err("The arm is not armed: home it, then arm it.".into());
         }
         Ok(())
@@ -88,10 +88,10 @@ impl ControllerThread {
         if let Some(why) = &loaded.refusal {
             return Err(format!("The job cannot be done. {why}"));
         }
-        if !takes_moves(self.machine.status.state) {
+        if !takes_moves(self.session.status.state) {
             return Err("The arm is not armed: home it, then arm it.".into());
         }
-        let start = self.preview.start(&self.machine.status);
+        let start = self.preview.start(&self.session.status);
         if !self.rests() || loaded.start != start {
             return Err("The arm has moved while its job was checked: run it again.".into());
         }
@@ -121,7 +121,7 @@ impl ControllerThread {
     pub(super) fn resume_job(&mut self, page: &Page) -> Result<(), Refused> {
         self.is_ready()?;
         let (job, place, seen) = self.feeder.held().ok_or("No job was stopped: run one.")?;
-        let now = self.preview.start(&self.machine.status);
+        let now = self.preview.start(&self.session.status);
         if let Some(why) = self.preview.start(seen).differs(now) {
             return Err(format!("The job goes on {why}"));
         }
@@ -141,7 +141,7 @@ impl ControllerThread {
 
     /// Has the rest of a time-optimal job planned; it starts when it is.
     fn order_rest(&mut self, page: PageId, job: Arc<ParsedJob>, part: usize, place: [f32; 2]) {
-        let start = self.preview.start(&self.machine.status);
+        let start = self.preview.start(&self.session.status);
         self.jobs.order(Work::Rest(job, part, place), start);
         self.run_asked_by = Some((page, 0));
     }
@@ -155,7 +155,7 @@ impl ControllerThread {
     ) -> Result<(), Refused> {
         self.is_ready()?;
         let job = job.map_err(|why| format!("The rest of the job cannot be done. {why}"))?;
-        if self.preview.start(&self.machine.status) != start {
+        if self.preview.start(&self.session.status) != start {
             return Err("The arm has moved while its job was planned: ask again.".into());
         }
         let way = self.way_to(place)?;
@@ -167,15 +167,15 @@ impl ControllerThread {
     /// The way to a place of the job [m] with the tool up: straight, or by the joints if a straight
     /// line would leave the workspace.
     fn way_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
-        let start = self.preview.start(&self.machine.status);
-        let (Some(from), Some(branch)) = (self.machine.status.reference, start.branch) else {
+        let start = self.preview.start(&self.session.status);
+        let (Some(from), Some(branch)) = (self.session.status.reference, start.branch) else {
             return Err("The arm is not armed: home it, then arm it.".into());
         };
-        let Some(line) = way_back(from, place, self.machine.settings.motion.max_speed) else {
+        let Some(line) = way_back(from, place, self.session.settings.motion.max_speed) else {
             return Ok(None);
         };
         let planner = self.preview.planner(start).map_err(|e| e.to_string())?;
-        let [now1, now4] = self.machine.status.angle;
+        let [now1, now4] = self.session.status.angle;
         let by_joints = self.preview.joints(place, branch).map(|[to1, to4]| {
             let to = [nearest(to1, now1), nearest(to4, now4)];
             let speed = JOINT_SPEED;

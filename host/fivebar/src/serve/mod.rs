@@ -67,7 +67,7 @@ mod web;
 
 pub use guard::Guard;
 
-use crate::bridge::{BridgeError, BridgeOptions, Endpoints, Seat};
+use crate::senders::{Endpoints, Listen, Senders, SendersError};
 use controller_thread::ControllerThread;
 use fivebar_design::workspace::GridError;
 use fivebar_files::robot::{HomeError, Robot, WorkspaceError};
@@ -93,7 +93,7 @@ pub enum ServeError {
     },
     /// Senders cannot connect.
     #[error("senders: {0}")]
-    Senders(#[from] Box<BridgeError>),
+    Senders(#[source] SendersError),
     /// The web server failed.
     #[error("the web server failed: {0}")]
     Web(#[from] io::Error),
@@ -124,13 +124,13 @@ pub enum ServeError {
 }
 
 /// How the page is served.
-pub struct ServeOptions<'a> {
+pub struct ServeOptions {
     /// The address to listen on.
     pub address: SocketAddr,
     /// Which requests are served.
     pub guard: Guard,
-    /// Senders of G-code, if they may move the arm.
-    pub senders: Option<&'a BridgeOptions>,
+    /// Listens for senders of G-code, if they may move the arm.
+    pub senders: Option<Listen>,
     /// Run jobs as time-optimal motions with this share of the torque limits, 0 to 1; none: the
     /// controller plans them.
     pub time_optimal: Option<f64>,
@@ -146,7 +146,7 @@ pub struct ServeOptions<'a> {
 pub fn serve(
     robot: &Robot,
     source: ControllerSource<'_>,
-    options: ServeOptions<'_>,
+    options: ServeOptions,
     ready: impl FnOnce(SocketAddr, Option<&Endpoints>),
     ends: impl Fn() -> bool + Send + 'static,
 ) -> Result<(), ServeError> {
@@ -157,26 +157,30 @@ pub fn serve(
     let planner = planner.transpose()?;
     let listener = accept::listen(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
-    let opened = open(robot, source)?;
-    let arm = arm::describe(robot, &opened.place)?;
-    let maps = maps::describe(robot, opened.settings.assembly())?;
-    let (seat, endpoints) = match options.senders {
-        Some(senders) => {
-            let (seat, endpoints) = Seat::listen(senders, &opened.place).map_err(Box::new)?;
-            (seat, Some(endpoints))
-        }
-        None => (Seat::empty(), None),
-    };
+    let (mut session, place) = open(robot, source)?;
+    let arm = arm::describe(robot, &place)?;
+    let maps = maps::describe(robot, session.settings.assembly())?;
+    let senders = options
+        .senders
+        .map(|listen| listen(robot, &mut session, &place));
+    let senders = senders.transpose().map_err(ServeError::Senders)?;
     let (pages, controller_end, to_pages) = channels::channels();
     let news = News::start(to_pages);
-    let machine =
-        ControllerThread::new(opened, seat, robot.clone(), planner, controller_end, news)?;
-    ready(listener.local_addr()?, endpoints.as_ref());
+    let thread = ControllerThread::new(
+        session,
+        senders,
+        robot.clone(),
+        planner,
+        controller_end,
+        news,
+    )?;
+    let endpoints = thread.senders.as_deref().map(Senders::endpoints);
+    ready(listener.local_addr()?, endpoints);
     let site = web::Site {
         guard: options.guard,
         pages,
         arm,
         maps,
     };
-    web::run(listener, site, Box::new(move || machine.run(&ends)))
+    web::run(listener, site, Box::new(move || thread.run(&ends)))
 }

@@ -72,7 +72,8 @@ impl ControllerThread {
                     let lease = &self.pages.shared.lease;
                     lease.acquire(&page, received, now, false);
                 }
-                if let Some(warning) = self.machine.warning.clone() {
+                let senders = self.senders.as_ref();
+                if let Some(warning) = senders.and_then(|senders| senders.endpoints().warning()) {
                     self.refuse(Some(page.id), warning);
                 }
                 Ok(())
@@ -85,7 +86,7 @@ impl ControllerThread {
                 if stops < self.pages.shared.stop.count() && request.ends_with_a_stop() {
                     return Ok(false);
                 }
-                if self.machine.is_taken() && !matches!(request, ClientRequest::Alive) {
+                if self.is_sender_in_control() && !matches!(request, ClientRequest::Alive) {
                     let why = "A sender of G-code is in control: disconnect it first.";
                     self.report(&page, Err(why.into()));
                     return Ok(false);
@@ -141,10 +142,10 @@ impl ControllerThread {
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
             ClientRequest::Resume => self.resume_job(page),
-            _ if self.machine.status.state == State::Crossing => {
+            _ if self.session.status.state == State::Crossing => {
                 Err("The arm crosses a singularity: wait until it rests.".into())
             }
-            _ if !takes_moves(self.machine.status.state) => {
+            _ if !takes_moves(self.session.status.state) => {
                 Err("The arm is not armed: home it, then arm it.".into())
             }
             _ if self.run_asked_by.is_some() => {
@@ -205,7 +206,7 @@ impl ControllerThread {
                     .into(),
             ));
         }
-        let answer = self.ask_controller(request)?;
+        let answer = self.session.request(request)?;
         if request == Request::ClearFault && answer.is_ok() {
             self.cleared = Some(Instant::now());
         }
@@ -221,7 +222,7 @@ impl ControllerThread {
     }
 
     fn move_tool(&mut self, to: [f32; 2]) {
-        let feed = self.machine.settings.motion.max_speed;
+        let feed = self.session.settings.motion.max_speed;
         self.feeder.set_target(MoveKind::Line { to, feed });
     }
 
@@ -252,7 +253,7 @@ impl ControllerThread {
     /// Has the ways to other working modes planned where the arm rests, and goes the one that a page
     /// wants.
     pub(super) fn change_mode_if_wanted(&mut self) {
-        let status = &self.machine.status;
+        let status = &self.session.status;
         let rests = status.state == State::Armed && self.feeder.has_no_target();
         let pose = self
             .preview
@@ -265,7 +266,7 @@ impl ControllerThread {
         let Some((page, elbows)) = self.mode_wanted else {
             return;
         };
-        if !takes_moves(self.machine.status.state) || self.feeder.is_running() {
+        if !takes_moves(self.session.status.state) || self.feeder.is_running() {
             self.mode_wanted = None;
             return;
         }
@@ -284,7 +285,7 @@ impl ControllerThread {
 
     fn move_joints(&mut self, angles: [f32; 2]) {
         let [to1, to4] = angles;
-        let [now1, now4] = self.machine.status.angle;
+        let [now1, now4] = self.session.status.angle;
         self.feeder.set_target(MoveKind::Joint {
             to: [nearest(to1, now1), nearest(to4, now4)],
             speed: JOINT_SPEED,
@@ -296,10 +297,10 @@ impl ControllerThread {
         match self.feeder.end() {
             Some(MoveEnd::Tool(tool)) => Some(tool),
             Some(MoveEnd::Joints(angles)) => {
-                let pose = self.preview.pose(&self.machine.status)?;
+                let pose = self.preview.pose(&self.session.status)?;
                 self.preview.tool_at(angles, pose.assembly())
             }
-            None => self.machine.status.reference,
+            None => self.session.status.reference,
         }
     }
 
@@ -307,11 +308,11 @@ impl ControllerThread {
     fn joints_end(&self) -> Option<[f32; 2]> {
         match self.feeder.end() {
             Some(MoveEnd::Tool(tool)) => {
-                let pose = self.preview.pose(&self.machine.status)?;
+                let pose = self.preview.pose(&self.session.status)?;
                 self.preview.joints(tool, self.preview.branch(&pose))
             }
             Some(MoveEnd::Joints(angles)) => Some(angles),
-            None => Some(self.machine.status.joint_reference?.angle),
+            None => Some(self.session.status.joint_reference?.angle),
         }
     }
 }

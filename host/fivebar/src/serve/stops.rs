@@ -6,9 +6,7 @@ use super::message::ServerMessage;
 use super::move_feeder::JobStatus;
 use super::stop_signal::Stop;
 use fivebar_firmware::Request;
-use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
-use fivebar_sim::controller::sentence;
 use fivebar_sim::link::LinkError;
 
 impl ControllerThread {
@@ -31,13 +29,14 @@ impl ControllerThread {
     /// Has the controller latch the emergency stop, whatever it does and whoever is in control, and
     /// confirms it to the pages. They ask again until it is confirmed.
     fn emergency_stop(&mut self) -> Result<(), LinkError> {
-        let refusal = self.ask_controller(Request::EmergencyStop)?.err();
-        if self.machine.is_taken() {
-            self.machine.emergency_stop()?;
-        } else {
-            self.drop_what_pages_asked_for();
+        let refusal = self.session.request(Request::EmergencyStop)?.err();
+        match &mut self.senders {
+            Some(senders) if senders.is_in_control() => {
+                senders.emergency_stop(&mut self.session)?;
+            }
+            _ => self.drop_what_pages_asked_for(),
         }
-        let (status, _) = self.machine.client.status()?;
+        let (status, _) = self.session.client.status()?;
         match refusal {
             Some(refusal) => self.refuse(None, refusal),
             None if status.fault.is_none() => self.refuse(None, "No fault is latched.".into()),
@@ -47,11 +46,13 @@ impl ControllerThread {
     }
 
     fn stop_on_path(&mut self, page: PageId) -> Result<(), LinkError> {
-        if self.machine.is_taken() {
-            return self.machine.hold();
+        if let Some(senders) = &mut self.senders
+            && senders.is_in_control()
+        {
+            return senders.hold(&mut self.session);
         }
         self.drop_what_pages_asked_for();
-        match self.ask_controller(Request::Stop)? {
+        match self.session.request(Request::Stop)? {
             Ok(()) => self.news.send(&ServerMessage::Stopped(Stop::OnPath)),
             Err(refusal) => self.refuse(Some(page), refusal),
         }
@@ -69,20 +70,10 @@ impl ControllerThread {
         self.mode_wanted = None;
     }
 
-    /// Makes a request of the controller; its refusal as a sentence.
-    pub(super) fn ask_controller(
-        &mut self,
-        request: Request,
-    ) -> Result<Result<(), String>, LinkError> {
-        let request = HostCommand::Request(request);
-        let answer = self.machine.client.command(request)?;
-        Ok(answer.map_err(|refusal| sentence(&refusal)))
-    }
-
     /// Whether the arm rests, with bridges on or off.
     pub(super) fn rests(&self) -> bool {
         use State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
-        match self.machine.status.state {
+        match self.session.status.state {
             Stopped | Armed | Fault => true,
             Homing | Running | Stopping | Exciting | Crossing => false,
         }
