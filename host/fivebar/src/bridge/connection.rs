@@ -46,7 +46,7 @@ impl Visitor {
         self.outlet
     }
 
-    /// Tells it why it gets no control, and disconnects it.
+    /// Sends the reason why it gets no control, and disconnects it.
     pub(super) fn refuse(self, why: &str) {
         self.outlet.send(why);
         self.outlet.end();

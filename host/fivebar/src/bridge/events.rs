@@ -67,7 +67,7 @@ impl SenderSlot<'_> {
         Ok(())
     }
 
-    /// Tells the sender of the emergency stop. What it has sent before is dropped.
+    /// Reports the emergency stop to the sender. What it has sent before is dropped.
     fn report_emergency(&mut self, session: &Session) {
         let locked = self.fault.latched.is_some() || !session.status.homed;
         if let Some(sender) = &mut self.sender {
@@ -129,7 +129,7 @@ impl SenderSlot<'_> {
         sender.is_some_and(|sender| Arc::ptr_eq(&sender.outlet.presence, presence))
     }
 
-    /// Gives a sender control, or tells it why not.
+    /// Gives a sender control, or refuses it with the reason.
     fn answer(&mut self, session: &Session, visitor: Visitor) {
         match &self.sender {
             None if !self.admits => return visitor.refuse(PAGE_MOVES),

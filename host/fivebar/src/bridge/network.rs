@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// Connections at once: the sender in control, and those that are told that there is one.
+/// Connections at once: the sender in control, and those that are refused because there is one.
 const CONNECTIONS: usize = 16;
 /// Longest wait for a sender that does not read.
 const LONGEST_WRITE: Duration = Duration::from_secs(10);

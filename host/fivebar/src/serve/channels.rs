@@ -6,8 +6,8 @@
 
 use super::lease::{ControlLease, PageId};
 use super::message::ClientRequest;
-use super::news::PageChannels;
 use super::stop_signal::StopSignal;
+use super::updates::PageChannels;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
@@ -28,8 +28,8 @@ pub(super) struct Page {
     connected: AtomicBool,
     places: Arc<Semaphore>,
     begun: Instant,
-    /// See [`Page::heard`] [µs after `begun`].
-    heard: AtomicU64,
+    /// See [`Page::received`] [µs after `begun`].
+    received: AtomicU64,
 }
 
 impl Page {
@@ -41,19 +41,20 @@ impl Page {
             connected: AtomicBool::new(true),
             places: Arc::new(Semaphore::new(REQUESTS)),
             begun: Instant::now(),
-            heard: AtomicU64::new(0),
+            received: AtomicU64::new(0),
         }
     }
 
     /// A time at which the page certainly lived: its latest bytes arrived after it. What waited for
     /// the server, however long, counts for no later time.
-    pub(super) fn heard(&self) -> Instant {
-        self.begun + Duration::from_micros(self.heard.load(Ordering::SeqCst))
+    pub(super) fn received(&self) -> Instant {
+        self.begun + Duration::from_micros(self.received.load(Ordering::SeqCst))
     }
 
-    pub(super) fn set_heard(&self, heard: Instant) {
-        let time = heard.saturating_duration_since(self.begun);
-        self.heard.store(time.as_micros() as u64, Ordering::SeqCst);
+    pub(super) fn set_received(&self, received: Instant) {
+        let time = received.saturating_duration_since(self.begun);
+        self.received
+            .store(time.as_micros() as u64, Ordering::SeqCst);
     }
 
     pub(super) fn is_connected(&self) -> bool {
@@ -130,7 +131,7 @@ pub(super) struct ControllerEnd {
     pub(super) shared: Arc<Shared>,
 }
 
-/// Makes both ends, and the channels for news of the controller.
+/// Makes both ends, and the channels for updates from the controller.
 pub(super) fn channels() -> (WebEnd, ControllerEnd, PageChannels) {
     let (sender, events) = mpsc::channel();
     let (state, states) = watch::channel(None);
@@ -197,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_page_that_floods_fills_its_own_places_only() {
-        let (web, controller, _news) = channels();
+        let (web, controller, _updates) = channels();
         let [flooding, other] = [Page::new(), Page::new()].map(Arc::new);
         let request = || EventKind::Request(ClientRequest::Run);
         for _ in 0..REQUESTS {

@@ -10,9 +10,9 @@ use super::lease::PageId;
 use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
 use super::mode_thread::ModeThread;
 use super::move_feeder::{JobStatus, MoveFeeder};
-use super::news::News;
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
+use super::updates::Updates;
 use crate::senders::Senders;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::Status;
@@ -34,8 +34,8 @@ const SAMPLES: f32 = 30.0;
 const SAMPLES_STEPPED: f32 = 200.0;
 /// Events of pages that are handled before the controller gets its next sign of life.
 const EVENTS_PER_CYCLE: usize = 64;
-/// Places of the tool in one state.
-const MOST_PLACES: usize = 32;
+/// Positions of the tool in one state.
+const MOST_POSITIONS: usize = 32;
 
 /// One controller and the pages that show it.
 pub(super) struct ControllerThread {
@@ -43,7 +43,7 @@ pub(super) struct ControllerThread {
     /// Senders of G-code, one of which may be in control of the controller.
     pub(super) senders: Option<Box<dyn Senders>>,
     pub(super) pages: ControllerEnd,
-    pub(super) news: News,
+    pub(super) updates: Updates,
     pub(super) preview: Preview,
     /// The page that was in control when the feeder got its moves.
     controlled_by: Option<PageId>,
@@ -83,7 +83,7 @@ impl ControllerThread {
         robot: Robot,
         planner: Option<JobPlanner>,
         pages: ControllerEnd,
-        news: News,
+        updates: Updates,
     ) -> Result<Self, ServeError> {
         let samples = if session.is_in_lockstep() {
             SAMPLES_STEPPED
@@ -97,7 +97,7 @@ impl ControllerThread {
             session,
             senders,
             pages,
-            news,
+            updates,
             jobs: JobThread::start(robot, preview.clone(), planner),
             modes: ModeThread::start(preview.clone()),
             mode_wanted: None,
@@ -129,7 +129,7 @@ impl ControllerThread {
         self.change_mode_if_wanted();
         if self.serve_senders()? {
             let status = self.session.status;
-            self.note_place(&status);
+            self.note_position(&status);
             self.feeder.drop_target();
         } else {
             self.feed_controller()?;
@@ -186,7 +186,7 @@ impl ControllerThread {
     }
 
     /// Drops the moves of a page that is no longer in control. Its job keeps its place, or goes on
-    /// if it was told to.
+    /// if it is set to.
     fn drop_moves_of_a_lost_page(&mut self) {
         let holder = self.pages.shared.lease.holder();
         if holder != self.controlled_by {
@@ -235,7 +235,7 @@ impl ControllerThread {
             return Ok(());
         }
         let (status, mut room) = self.session.client.status()?;
-        self.note_place(&status);
+        self.note_position(&status);
         let job = self.feeder.update(&status, room);
         self.report_job(job);
         while self.may_feed()? {
@@ -266,8 +266,8 @@ impl ControllerThread {
     }
 
     /// Notes where the tool is, for the drawing.
-    fn note_place(&mut self, status: &Status) {
-        if let Some([x, y]) = status.tool.filter(|_| self.trail.len() < MOST_PLACES) {
+    fn note_position(&mut self, status: &Status) {
+        if let Some([x, y]) = status.tool.filter(|_| self.trail.len() < MOST_POSITIONS) {
             self.trail.push([x, y, status.tool_level]);
         }
     }
@@ -280,7 +280,7 @@ impl ControllerThread {
                 None => Reply::Snapshot(None),
             };
             if let Reply::Snapshot(snapshot) = snapshot {
-                self.news
+                self.updates
                     .send(&ServerMessage::Fault(snapshot.map(|snapshot| {
                         FaultMessage {
                             name: fault_name(snapshot.fault),
@@ -298,7 +298,7 @@ impl ControllerThread {
         let now = Instant::now();
         let pose = self.preview.pose(status);
         let lease = &self.pages.shared.lease;
-        self.news.send(&ServerMessage::State(StateMessage {
+        self.updates.send(&ServerMessage::State(StateMessage {
             status,
             time,
             speed: self.speed.at(time, now),
@@ -321,7 +321,7 @@ impl ControllerThread {
 
     /// Sends a notice to all pages.
     pub(super) fn notice(&self, text: &str) {
-        self.news.send(&ServerMessage::Notice {
+        self.updates.send(&ServerMessage::Notice {
             to: None,
             refused: false,
             text: text.into(),
@@ -330,7 +330,7 @@ impl ControllerThread {
 
     /// Sends a refusal to one page, or to all.
     pub(super) fn refuse(&self, to: Option<PageId>, text: String) {
-        self.news.send(&ServerMessage::Notice {
+        self.updates.send(&ServerMessage::Notice {
             to,
             refused: true,
             text: brief(text),

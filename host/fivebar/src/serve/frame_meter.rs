@@ -131,7 +131,7 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
         let (count, left) = (room.filled().len(), room.remaining());
         self.unread.end += count;
         if count > 0 {
-            self.page.set_heard(self.backlog.emptied());
+            self.page.set_received(self.backlog.emptied());
         }
         if left > 0 {
             self.backlog.empty_at(asked);
@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     fn a_message_arrives_as_it_was_sent_whatever_its_frames() {
-        let (pages, _controller, _news) = channels();
+        let (pages, _controller, _updates) = channels();
         let text: String = (0..5 * PART)
             .map(|index| char::from(b'a' + (index % 23) as u8))
             .collect();
@@ -341,7 +341,7 @@ mod tests {
 
     #[test]
     fn empty_frames_count_although_they_begin_no_message() {
-        let (pages, _controller, _news) = channels();
+        let (pages, _controller, _updates) = channels();
         let mut bytes = frame(OpCode::Data(Data::Text), false, "");
         bytes.extend(
             frame(OpCode::Data(Data::Continue), false, "").repeat(2 * MAX_PER_SECOND as usize),
@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn a_page_that_watches_sends_long_messages_only_if_no_other_does() {
-        let (pages, _controller, _news) = channels();
+        let (pages, _controller, _updates) = channels();
         let text = "x".repeat(MAX_WATCHER_MESSAGE as usize + 1);
         let bytes = frame(OpCode::Data(Data::Text), true, &text);
         assert_eq!(limit(&received(bytes.clone(), &pages)), None);
@@ -365,25 +365,28 @@ mod tests {
         FrameMeter::new(stream, Bytes::new(), None, page, pages)
     }
 
-    /// A server that gets no time reads late what arrived in time, and cannot tell when it arrived.
+    /// A server that gets no time reads late what arrived in time, and does not know when it arrived.
     #[test]
-    fn what_waited_to_be_read_counts_as_heard_when_nothing_waited_last() {
+    fn what_waited_to_be_read_counts_as_received_when_nothing_waited_last() {
         let runtime = tokio::runtime::Builder::new_current_thread().build();
         runtime.expect("a runtime").block_on(async {
-            let (pages, _controller, _news) = channels();
+            let (pages, _controller, _updates) = channels();
             let (mut sent, stream) = tokio::io::duplex(1 << 10);
             let page = Arc::new(Page::new());
             let meter = meter(stream, Arc::clone(&page), pages);
             let mut socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
             let text = frame(OpCode::Data(Data::Text), true, "alive");
-            let mut emptied = [page.heard(), Instant::now()]; // Around the reading that left nothing.
+            let mut emptied = [page.received(), Instant::now()]; // Around the reading that left nothing.
             for _ in 0..3 {
                 sent.write_all(&text).await.expect("room");
                 std::thread::sleep(Duration::from_millis(20));
                 let read = Instant::now();
                 socket.next().await.expect("a message").expect("a message");
                 let [from, to] = emptied;
-                assert!((from..=to).contains(&page.heard()), "{emptied:?} {page:?}");
+                assert!(
+                    (from..=to).contains(&page.received()),
+                    "{emptied:?} {page:?}"
+                );
                 emptied = [read - Duration::from_micros(1), Instant::now()];
             }
         });
@@ -391,7 +394,7 @@ mod tests {
 
     #[test]
     fn a_message_of_more_than_12_mb_is_refused_by_its_header() {
-        let (pages, _controller, _news) = channels();
+        let (pages, _controller, _updates) = channels();
         let mut bytes = frame(OpCode::Data(Data::Text), true, &"x".repeat(15 << 20));
         bytes.truncate(100);
         assert_eq!(limit(&received(bytes, &pages)), Some(LimitError::TooLong));

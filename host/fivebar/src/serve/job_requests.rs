@@ -208,7 +208,7 @@ impl ControllerThread {
                     start,
                     refusal,
                 });
-                self.news.send_job(message);
+                self.updates.send_job(message);
                 (start, again)
             }
             Prepared::Rest { job, start, place } => {
@@ -222,7 +222,7 @@ impl ControllerThread {
             }
             Prepared::Unreadable(message) => {
                 self.loaded = None;
-                self.news.send_job(message);
+                self.updates.send_job(message);
                 return;
             }
             Prepared::NoJob(page, why) => {

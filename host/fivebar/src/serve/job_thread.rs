@@ -73,7 +73,7 @@ pub(super) enum Prepared {
         /// Where the rest begins [m].
         place: [f32; 2],
     },
-    /// The job cannot be read; this tells the pages why.
+    /// The job cannot be read; this is the message to the pages that says why.
     Unreadable(Utf8Bytes),
     /// The page's message is no job, for this reason.
     NoJob(PageId, String),

@@ -1,6 +1,6 @@
 //! The control lease: which page may move the arm, and for how long.
 //!
-//! A page's thread renews and ends the lease when it hears from the page or loses it; the
+//! A page's thread renews and ends the lease when it receives bytes of the page or loses it; the
 //! controller's thread gives it and asks for it. Both use atomic numbers, so that
 //! neither waits for the other or for a queue between them.
 
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 pub(super) type PageId = u64;
 
 /// The page in control counts as lost after this time, which begins before its last message arrived
-/// ([`Page::heard`]). Every page, also a hidden one, sends a sign of life every 50 ms. With the
+/// ([`Page::received`]). Every page, also a hidden one, sends a sign of life every 50 ms. With the
 /// controller's command timeout (0.1 s) and the ramp to rest that follows it (0.11 s for the benchtop
 /// arm), the arm rests within 0.7 s.
 pub(super) const TIMEOUT: Duration = Duration::from_millis(350);
@@ -25,7 +25,7 @@ const NONE: PageId = 0;
 pub(super) struct ControlLease {
     start: Instant,
     holder: AtomicU64,
-    /// When the page in control was last heard [µs after `start`].
+    /// When the last bytes of the page in control arrived [µs after `start`].
     renewed: AtomicU64,
 }
 
@@ -60,7 +60,7 @@ impl ControlLease {
     /// rests, else only if no living page has it. Returns whether the page has control now.
     pub(super) fn acquire(&self, page: &Page, asked: Instant, now: Instant, rests: bool) -> bool {
         if self.holder() == Some(page.id) {
-            self.stamp(page.heard());
+            self.stamp(page.received());
         } else if rests || !self.is_alive(now) {
             self.stamp(asked);
             self.holder.store(page.id, Ordering::SeqCst);
@@ -75,7 +75,7 @@ impl ControlLease {
     /// Renews the lease if this page holds it.
     pub(super) fn renew(&self, page: &Page) {
         if self.holder() == Some(page.id) {
-            self.stamp(page.heard());
+            self.stamp(page.received());
         }
     }
 
@@ -88,8 +88,8 @@ impl ControlLease {
         let _ = held;
     }
 
-    fn stamp(&self, heard: Instant) {
-        let time = heard.saturating_duration_since(self.start);
+    fn stamp(&self, received: Instant) {
+        let time = received.saturating_duration_since(self.start);
         self.renewed
             .fetch_max(time.as_micros() as u64, Ordering::SeqCst);
     }
@@ -110,7 +110,7 @@ mod tests {
         assert!(lease.acquire(&one, start, start, false));
         assert!(!lease.acquire(&two, start, start, false));
         let late = start + TIMEOUT;
-        one.set_heard(late - Duration::from_millis(1));
+        one.set_received(late - Duration::from_millis(1));
         lease.renew(&one);
         assert!(lease.is_alive(late) && !lease.acquire(&two, late, late, false));
         let later = late + TIMEOUT;
@@ -129,7 +129,7 @@ mod tests {
         let lease = ControlLease::new(now);
         let [one, two] = [Page::new(), Page::new()];
         assert!(lease.acquire(&one, now, now, true) && lease.acquire(&two, now, now, true));
-        one.set_heard(now + TIMEOUT);
+        one.set_received(now + TIMEOUT);
         lease.renew(&one);
         assert!(!lease.is_alive(now + TIMEOUT), "only the holder renews");
     }
@@ -145,13 +145,13 @@ mod tests {
     }
 
     #[test]
-    fn a_lease_counts_from_the_time_at_which_its_page_was_heard() {
-        let heard = Instant::now();
-        let lease = ControlLease::new(heard);
+    fn a_lease_counts_from_the_time_at_which_its_page_sent() {
+        let received = Instant::now();
+        let lease = ControlLease::new(received);
         let page = Page::new();
-        let handled = heard + TIMEOUT / 2;
-        assert!(lease.acquire(&page, heard, handled, true));
-        assert!(!lease.is_alive(heard + TIMEOUT));
+        let handled = received + TIMEOUT / 2;
+        assert!(lease.acquire(&page, received, handled, true));
+        assert!(!lease.is_alive(received + TIMEOUT));
     }
 
     /// A page that floods leaves requests for control behind when it is lost.

@@ -10,11 +10,14 @@
 //!
 //! Threads share the work, so that none delays a stop: one for each page, which reads what it sends;
 //! the controller's, which waits for the controller only; one that reads and checks jobs; one that
-//! plans changes of the working mode; one that passes news on to the pages; and the web server's, which
+//! plans changes of the working mode; one that passes updates on to the pages; and the web server's, which
 //! admits pages. Stops and signs of
 //! life pass from a page's thread to the controller's through atomic numbers, past the queue of
 //! requests. What a page sends costs its own thread's time only, because the system shares the
 //! processor between threads.
+//!
+//! The controller's thread owns the `Session` with the controller. Senders of G-code may use it beside the
+//! pages; the server knows them by the trait [`Senders`] only.
 //!
 //! | module | content |
 //! |---|---|
@@ -27,13 +30,13 @@
 //! | `stop_signal`, `stops` | stops, on a path past every queue; what they do |
 //! | `lease` | which page is in control, and whether it is alive |
 //! | `channels` | what else passes between pages and controller |
-//! | `news` | what the controller's thread tells the pages, without waiting for them |
+//! | `updates` | what the controller's thread sends to the pages, without waiting for them |
 //! | `message` | the messages between pages and server |
 //! | `accept`, `guard` | limits of connections; which web requests are served |
 //! | `web` | the page's files and the way to a websocket |
 //! | `socket`, `frame_meter`, `backlog`, `rate` | the exchange with a page, and its limits |
 //! | `commission` | the guided page of a commissioning, in place of the arm's |
-//! | `heard` | the exchange with a page whose bytes are known, for tests and the fuzzer |
+//! | `received` | the exchange with a page whose bytes are known, for tests and the fuzzer |
 
 mod accept;
 mod arm;
@@ -43,8 +46,6 @@ pub(super) mod commission;
 mod controller_thread;
 mod frame_meter;
 mod guard;
-#[cfg(any(test, fuzzing))]
-pub mod heard;
 mod job_requests;
 mod job_thread;
 mod lease;
@@ -52,17 +53,19 @@ mod maps;
 mod message;
 mod mode_thread;
 mod move_feeder;
-mod news;
 mod parsed_job;
 mod preview;
 #[cfg(test)]
 mod random_messages;
 mod rate;
+#[cfg(any(test, fuzzing))]
+pub mod received;
 mod requests;
 mod socket;
 mod stop_signal;
 mod stops;
 mod strokes;
+mod updates;
 mod web;
 
 pub use guard::Guard;
@@ -75,9 +78,9 @@ use fivebar_sim::controller::{ControllerSource, OpenError, open};
 use fivebar_sim::link::LinkError;
 use fivebar_sim::simulation::RunError;
 use fivebar_sim::time_optimal::{JobPlanner, TimeOptimalError};
-use news::News;
 use std::io;
 use std::net::SocketAddr;
+use updates::Updates;
 
 /// Why the page cannot be served.
 #[derive(Debug, thiserror::Error)]
@@ -165,14 +168,14 @@ pub fn serve(
         .map(|listen| listen(robot, &mut session, &place));
     let senders = senders.transpose().map_err(ServeError::Senders)?;
     let (pages, controller_end, to_pages) = channels::channels();
-    let news = News::start(to_pages);
+    let updates = Updates::start(to_pages);
     let thread = ControllerThread::new(
         session,
         senders,
         robot.clone(),
         planner,
         controller_end,
-        news,
+        updates,
     )?;
     let endpoints = thread.senders.as_deref().map(Senders::endpoints);
     ready(listener.local_addr()?, endpoints);

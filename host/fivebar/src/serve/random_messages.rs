@@ -1,7 +1,7 @@
 //! Random messages of pages: each is read or refused in a short text, and none panics.
 
-use super::heard::{Heard, hear, text_frame};
 use super::message::{ClientRequest, brief};
+use super::received::{Received, receive, text_frame};
 use proptest::prelude::*;
 
 const DOCUMENT: &str = include_str!("../../../../docs/use/live-page.md");
@@ -110,7 +110,7 @@ fn a_message_nested_deeply_is_refused() {
 }
 
 #[test]
-fn a_page_is_heard_in_all_that_it_says() {
+fn all_that_a_page_sends_is_received() {
     let mut bytes = Vec::new();
     for text in [
         r#""run""#,
@@ -122,17 +122,17 @@ fn a_page_is_heard_in_all_that_it_says() {
         bytes.extend(text_frame(text.as_bytes()));
     }
     bytes.extend(text_frame(&vec![b'x'; 70_000]));
-    let expected = Heard {
+    let expected = Received {
         requests: 3,
         stops: 2,
         refusals: 1,
         reason: None,
     };
-    assert_eq!(hear(&bytes), expected);
+    assert_eq!(receive(&bytes), expected);
     let stops = text_frame(br#"{"request": "stop"}"#).repeat(200);
-    let heard = hear(&stops);
-    assert_eq!(heard.stops, 100);
-    let reason = heard.reason.expect("it is disconnected");
+    let received = receive(&stops);
+    assert_eq!(received.stops, 100);
+    let reason = received.reason.expect("it is disconnected");
     assert!(reason.contains("stops in a second"), "{reason}");
 }
 
@@ -153,6 +153,6 @@ proptest! {
                 bytes.extend(content);
             }
         }
-        hear(&bytes);
+        receive(&bytes);
     }
 }

@@ -1,7 +1,7 @@
 //! The exchange with one page over its websocket.
 //!
-//! Reading never waits for writing: a page that reads slowly, or reads nothing, is heard all the
-//! same. Signs of life and stops take effect here, when they arrive.
+//! Reading never waits for writing: a page that reads slowly, or reads nothing, can still
+//! send. Signs of life and stops take effect here, when they arrive.
 
 use super::channels::{EventKind, Notice, Page, QueueError, WebEnd};
 use super::frame_meter::{FrameMeter, LimitError};

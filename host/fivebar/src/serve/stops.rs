@@ -40,7 +40,7 @@ impl ControllerThread {
         match refusal {
             Some(refusal) => self.refuse(None, refusal),
             None if status.fault.is_none() => self.refuse(None, "No fault is latched.".into()),
-            None => self.news.send(&ServerMessage::Stopped(Stop::Emergency)),
+            None => self.updates.send(&ServerMessage::Stopped(Stop::Emergency)),
         }
         Ok(())
     }
@@ -53,7 +53,7 @@ impl ControllerThread {
         }
         self.drop_what_pages_asked_for();
         match self.session.request(Request::Stop)? {
-            Ok(()) => self.news.send(&ServerMessage::Stopped(Stop::OnPath)),
+            Ok(()) => self.updates.send(&ServerMessage::Stopped(Stop::OnPath)),
             Err(refusal) => self.refuse(Some(page), refusal),
         }
         Ok(())

@@ -114,7 +114,7 @@ pub(in crate::bridge) enum MachineState {
     Alarm,
 }
 
-/// What reports tell of the machine.
+/// What reports show.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::bridge) struct View {
     pub(in crate::bridge) state: MachineState,

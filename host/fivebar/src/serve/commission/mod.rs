@@ -13,7 +13,7 @@ mod web;
 use super::accept;
 use super::channels::{self, ControllerEnd};
 use super::guard::Guard;
-use super::news::News;
+use super::updates::Updates;
 use super::{ServeError, web as live};
 use crate::commission::{Commissioning, Options, StepError};
 use clicks::{Click, PageVoice};
@@ -30,7 +30,7 @@ pub(super) use state::PageState;
 const LOOK: Duration = Duration::from_millis(50);
 /// How often a thread looks for stops of pages.
 const LOOK_FOR_STOPS: Duration = Duration::from_millis(5);
-/// A state is sent at least as often, because a page without news takes the server for lost.
+/// A state is sent at least as often, because a page without updates takes the server for lost.
 const SIGN_OF_LIFE: Duration = Duration::from_millis(500);
 
 /// Serves the guided page until `ends` returns true. Calls `ready` with the address as soon as it is
@@ -49,7 +49,7 @@ pub(crate) fn serve(
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
     let (clicks, clicked) = channel();
     let (pages, from_pages, to_pages) = channels::channels();
-    let shared = Arc::new(Shared::new(clicks, News::start(to_pages)));
+    let shared = Arc::new(Shared::new(clicks, Updates::start(to_pages)));
     let clicked = Arc::new(Mutex::new(clicked));
     let voice = PageVoice::new(Arc::clone(&shared), Arc::clone(&clicked));
     let stop = Arc::clone(&shared.stop);

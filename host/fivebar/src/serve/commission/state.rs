@@ -1,8 +1,8 @@
 //! What pages show of a commissioning.
 
 use super::super::message::ServerMessage;
-use super::super::news::News;
 use super::super::stop_signal::Stop;
+use super::super::updates::Updates;
 use super::clicks::Click;
 use crate::commission::{Commissioning, STEPS};
 use serde::Serialize;
@@ -131,7 +131,7 @@ impl PageState {
 pub(super) struct Shared {
     state: Mutex<PageState>,
     clicks: Sender<Click>,
-    news: News,
+    updates: Updates,
     /// A stop that has not switched the bridges off yet.
     pub(super) stop: Arc<AtomicBool>,
     /// The program ends.
@@ -139,11 +139,11 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn new(clicks: Sender<Click>, news: News) -> Self {
+    pub(super) fn new(clicks: Sender<Click>, updates: Updates) -> Self {
         Self {
             state: Mutex::default(),
             clicks,
-            news,
+            updates,
             stop: Arc::default(),
             ended: AtomicBool::new(false),
         }
@@ -164,7 +164,7 @@ impl Shared {
         change(&mut state);
         let surplus = state.lines.len().saturating_sub(LINES);
         state.lines.drain(..surplus);
-        self.news.send(&ServerMessage::Guide(&state));
+        self.updates.send(&ServerMessage::Guide(&state));
     }
 
     /// A person says that the arm is safe after a stop.
@@ -194,7 +194,7 @@ impl Shared {
         if let Click::Begin(step) = &click {
             // From now on, so that a second click is refused.
             state.begin(step);
-            self.news.send(&ServerMessage::Guide(&state));
+            self.updates.send(&ServerMessage::Guide(&state));
         }
         // Under the lock, so that whoever forgets the clicks and shows a state forgets this one, too.
         self.clicks
@@ -209,7 +209,7 @@ impl Shared {
 
     /// A stop has switched the bridges off.
     pub(super) fn confirm_stop(&self) {
-        self.news.send(&ServerMessage::Stopped(Stop::Emergency));
+        self.updates.send(&ServerMessage::Stopped(Stop::Emergency));
     }
 
     /// The program ends: stops the arm.

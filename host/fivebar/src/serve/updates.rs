@@ -1,8 +1,8 @@
-//! What the controller's thread tells the pages, past every lock.
+//! What the controller's thread sends to the pages, past every lock.
 //!
 //! The channels that wake the pages' threads have locks. A page's thread that loses the processor
 //! while it holds one would keep the controller's thread waiting, and with it a stop. So a thread of
-//! its own passes the news on: the controller's thread adds them to a queue without a lock and wakes it.
+//! its own passes the updates on: the controller's thread adds them to a queue without a lock and wakes it.
 
 use super::channels::{Latest, Notice};
 use super::message::ServerMessage;
@@ -13,7 +13,7 @@ use std::thread::{self, Thread};
 use tokio::sync::{broadcast, watch};
 use tokio_tungstenite::tungstenite::Utf8Bytes;
 
-/// News that may wait before states are left out, which only the latest of counts.
+/// Updates that may wait before states are left out, which only the latest of counts.
 const MOST_WAITING: usize = 64;
 
 /// A message as text.
@@ -46,7 +46,7 @@ impl PageChannels {
 }
 
 /// The end at the controller's thread. It never waits.
-pub(super) struct News {
+pub(super) struct Updates {
     queue: Sender<Item>,
     waiting: Arc<AtomicUsize>,
     // After the queue, whose end it makes known.
@@ -62,7 +62,7 @@ impl Drop for Wake {
     }
 }
 
-impl News {
+impl Updates {
     /// Starts the thread, which ends with this value.
     pub(super) fn start(pages: PageChannels) -> Self {
         let (queue, items) = channel();
@@ -105,7 +105,7 @@ impl News {
     }
 }
 
-/// Passes news on until their queue ends. It never waits in the queue, which would take a lock.
+/// Passes updates on until their queue ends. It never waits in the queue, which would take a lock.
 fn pass_on(items: &Receiver<Item>, pages: &PageChannels, waiting: &AtomicUsize) {
     loop {
         match items.try_recv() {
@@ -121,7 +121,7 @@ fn pass_on(items: &Receiver<Item>, pages: &PageChannels, waiting: &AtomicUsize) 
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST_WAITING, News};
+    use super::{MOST_WAITING, Updates};
     use crate::serve::channels::channels;
     use crate::serve::message::ServerMessage;
     use std::sync::mpsc;
@@ -141,16 +141,16 @@ mod tests {
         let held = web.job.borrow();
         let (sent, done) = mpsc::channel();
         let sender = std::thread::spawn(move || {
-            let news = News::start(pages);
+            let updates = Updates::start(pages);
             for number in 0..10 * MOST_WAITING {
-                news.send_job(number.to_string().into());
+                updates.send_job(number.to_string().into());
             }
             sent.send(()).expect("a test");
-            news
+            updates
         });
         let in_time = done.recv_timeout(Duration::from_secs(20));
         drop(held);
-        in_time.expect("news are sent while a page holds the lock");
+        in_time.expect("updates are sent while a page holds the lock");
         let last = (10 * MOST_WAITING - 1).to_string();
         until(|| {
             web.job
@@ -163,12 +163,12 @@ mod tests {
     }
 
     #[test]
-    fn news_of_each_kind_arrive_where_pages_look_for_them() {
+    fn updates_of_each_kind_arrive_where_pages_look_for_them() {
         let (web, _controller, pages) = channels();
         let mut notices = web.notices.subscribe();
-        let news = News::start(pages);
-        news.send(&ServerMessage::Fault(None));
-        news.send(&ServerMessage::Notice {
+        let updates = Updates::start(pages);
+        updates.send(&ServerMessage::Fault(None));
+        updates.send(&ServerMessage::Notice {
             to: Some(7),
             refused: true,
             text: "no".into(),

@@ -19,7 +19,7 @@ const EVENTS: usize = 33;
 
 /// What the server made of a page's bytes.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct Heard {
+pub struct Received {
     /// Requests and long messages that wait for the controller's thread.
     pub requests: usize,
     /// Stops, which take effect at once.
@@ -75,8 +75,8 @@ impl AsyncWrite for Line<'_> {
 /// # Panics
 /// If more requests wait than a page may have, if the server's bytes are no websocket messages, if
 /// one of them is long, or if the page leaves a trace: the lease, or the place for a long message.
-pub fn hear(bytes: &[u8]) -> Heard {
-    let (pages, controller, _news) = channels();
+pub fn receive(bytes: &[u8]) -> Received {
+    let (pages, controller, _updates) = channels();
     let server = Arc::<Mutex<Vec<u8>>>::default();
     let line = Line {
         page: bytes,
@@ -94,10 +94,10 @@ pub fn hear(bytes: &[u8]) -> Heard {
     assert!(events.len() <= EVENTS, "{} events wait", events.len());
     let joins = |event: &Event| matches!(event.kind, EventKind::Joined);
     assert!(joins(&events[0]), "a request waits before its page");
-    let mut heard = Heard {
+    let mut received = Received {
         requests: events.len().saturating_sub(1),
         stops: controller.shared.stop.count(),
-        ..Heard::default()
+        ..Received::default()
     };
     drop(events);
     assert_eq!(pages.long_messages.available_permits(), 1);
@@ -105,11 +105,11 @@ pub fn hear(bytes: &[u8]) -> Heard {
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .clone();
-    heard.read(sent);
-    heard
+    received.read(sent);
+    received
 }
 
-impl Heard {
+impl Received {
     /// Reads what the server sent.
     fn read(&mut self, sent: Vec<u8>) {
         let mut socket = WebSocket::from_raw_socket(io::Cursor::new(sent), Role::Client, None);
