@@ -3,7 +3,7 @@
 use super::failure::{Failure, refused};
 use super::port::interrupted;
 use super::say::{say, warn};
-use crate::commission::{Commissioning, Options, STEPS, StepError, Voice};
+use crate::commission::{Commissioning, Options, Output, STEPS, StepError};
 use fivebar_files::robot::BuiltIn;
 use std::io::{BufRead, stdin};
 use std::path::PathBuf;
@@ -55,7 +55,7 @@ fn step_name(text: &str) -> Result<String, String> {
 /// How often a wait for Enter looks for the end of the program.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// A person at the terminal, who presses Enter when a task is done. The simulated arm's hand needs none.
+/// A person at the terminal, who presses Enter when a task is done. The simulated operator presses nothing.
 struct Terminal {
     /// A line was entered; it ends with the input.
     entered: Receiver<()>,
@@ -78,8 +78,8 @@ impl Terminal {
     }
 }
 
-impl Voice for Terminal {
-    fn tell(&mut self, line: &str) -> Result<(), StepError> {
+impl Output for Terminal {
+    fn report(&mut self, line: &str) -> Result<(), StepError> {
         print(format_args!("  {line}"))
     }
 

@@ -111,17 +111,17 @@ impl Bench {
     }
 
     /// Says what a step does.
-    pub(super) fn tell(&mut self, what: impl Display) -> Result<(), StepError> {
-        self.operator.tell(&what.to_string())
+    pub(super) fn report(&mut self, what: impl Display) -> Result<(), StepError> {
+        self.operator.report(&what.to_string())
     }
 
     /// Says what the controller measured when it latched a fault, if it has one.
-    pub(super) fn tell_fault(&mut self) {
+    pub(super) fn report_fault(&mut self) {
         if let Ok(Reply::Snapshot(Some(latched))) = self.client.call(HostCommand::Snapshot) {
             let [angle1, angle4] = latched.angle;
             let [current1, current4] = latched.current;
             // Only an addition to the error that follows.
-            let _ = self.tell(format_args!(
+            let _ = self.report(format_args!(
                 "fault {} while {:?}: θ1 = {angle1:.3} and θ4 = {angle4:.3} rad, currents \
                  {current1:.2} and {current4:.2} A, bus {:.1} V",
                 latched.fault.number(),

@@ -1,18 +1,18 @@
 //! The commissioning of an arm: from a new arm to one that knows itself, step by step. The program's
-//! command and the live page are doors to it.
+//! command and the live page run it.
 
 mod bench;
 mod finding;
 mod line;
 mod log;
+mod observer;
 mod operator;
 mod record;
 mod simulated;
 mod steps;
-mod witness;
 
 pub(super) use finding::StepError;
-pub(super) use operator::Voice;
+pub(super) use operator::Output;
 pub(super) use record::Done;
 pub(super) use steps::{STEPS, Step};
 
@@ -63,7 +63,7 @@ impl Commissioning {
     /// Files that cannot be read or do not belong together, or no connection.
     pub(super) fn open(
         options: &Options,
-        voice: Box<dyn Voice>,
+        output: Box<dyn Output>,
         stop: Arc<AtomicBool>,
     ) -> Result<Self, StepError> {
         let drawing = text_of(&options.robot).map_err(StepError::other)?;
@@ -78,7 +78,7 @@ impl Commissioning {
                 robot.name
             )));
         }
-        let (line, operator) = connect(options, &drawn, voice)?;
+        let (line, operator) = connect(options, &drawn, output)?;
         let line: Box<dyn Line> = Box::new(Stoppable::new(line, Arc::clone(&stop)));
         let (client, _) = Client::open(line)?;
         let mut bench = Bench::new(client, operator, drawn, robot, options.points.clone())?;
@@ -159,9 +159,9 @@ impl Commissioning {
     pub(super) fn run(&mut self, step: &Step) -> Result<String, StepError> {
         let bench = &mut self.bench;
         bench.operator.begin_step(step.name);
-        let outcome = (step.run)(bench).inspect_err(|_| bench.tell_fault());
-        if let Some(seen) = bench.operator.witnessed()? {
-            self.record.write_simulated(&seen)?;
+        let outcome = (step.run)(bench).inspect_err(|_| bench.report_fault());
+        if let Some(observed) = bench.operator.observed()? {
+            self.record.write_simulated(&observed)?;
         }
         let outcome = outcome?;
         let new = match &outcome.measured[..] {
@@ -198,14 +198,14 @@ impl Commissioning {
 fn connect(
     options: &Options,
     drawn: &Robot,
-    mut voice: Box<dyn Voice>,
+    mut output: Box<dyn Output>,
 ) -> Result<(Box<dyn Line>, Operator), StepError> {
     if options.port != "simulated" {
         if options.scenario.is_some() {
             return Err(StepError::other("--scenario is for --port simulated"));
         }
         let line = SerialLine::open(&options.port).map_err(StepError::other)?;
-        return Ok((Box::new(line), Operator::new(voice, None)));
+        return Ok((Box::new(line), Operator::new(output, None)));
     }
     let scenario = match &options.scenario {
         Some(file) => Scenario::load(file).map_err(StepError::other)?,
@@ -213,12 +213,12 @@ fn connect(
     };
     let arm = &scenario.robot.name;
     if *arm != drawn.name {
-        voice.tell(&format!(
+        output.report(&format!(
             "the scenario's arm is `{arm}`, the robot file is of `{}`: if that is not meant, start \
              with --robot {arm} and another --out",
             drawn.name
         ))?;
     }
-    let (line, hand) = simulated::arm(&scenario, drawn)?;
-    Ok((Box::new(line), Operator::new(voice, Some(hand))))
+    let (line, actions) = simulated::arm(&scenario, drawn)?;
+    Ok((Box::new(line), Operator::new(output, Some(actions))))
 }

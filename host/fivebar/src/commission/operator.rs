@@ -1,7 +1,7 @@
-//! Who does by hand what a step asks for: a person, or the simulated arm's hand.
+//! Who does by hand what a step asks for: a person, or the simulated operator.
 
 use super::StepError;
-use super::simulated::Hand;
+use super::simulated::OperatorActions;
 
 /// Something to be done by hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,66 +63,69 @@ impl Task {
     }
 }
 
-/// Receives progress and results, and does the tasks that a person has to do.
-pub(crate) trait Voice: Send {
-    /// Tells a line.
+/// Receives progress and results, and asks a person for tasks.
+pub(crate) trait Output: Send {
+    /// Reports a line.
     ///
     /// # Errors
     /// Nobody is there any more.
-    fn tell(&mut self, line: &str) -> Result<(), StepError>;
+    fn report(&mut self, line: &str) -> Result<(), StepError>;
 
-    /// Asks for a task and returns when a person has done it, or when the simulated arm's hand may do it.
+    /// Asks for a task and returns when a person has done it, or when the simulated operator may do it.
     ///
     /// # Errors
     /// Nobody is there any more, or a stop.
     fn ask(&mut self, task: &str, simulated: bool) -> Result<(), StepError>;
 }
 
-/// Who does the tasks: a person, or the simulated arm's hand.
+/// Who does the tasks: a person, or the simulated operator.
 pub(super) struct Operator {
-    voice: Box<dyn Voice>,
-    hand: Option<Hand>,
+    output: Box<dyn Output>,
+    actions: Option<OperatorActions>,
 }
 
 impl Operator {
-    /// An operator who does tasks with the simulated arm's hand, if there is one.
-    pub(super) fn new(voice: Box<dyn Voice>, hand: Option<Hand>) -> Self {
-        Self { voice, hand }
+    /// An operator who does the tasks at the simulated arm, if there is one.
+    pub(super) fn new(output: Box<dyn Output>, actions: Option<OperatorActions>) -> Self {
+        Self { output, actions }
     }
 
-    /// The simulated arm's hand.
-    pub(super) fn hand(&self) -> Option<&Hand> {
-        self.hand.as_ref()
+    /// The actions at the simulated arm.
+    pub(super) fn actions(&self) -> Option<&OperatorActions> {
+        self.actions.as_ref()
     }
 
-    /// Tells a line.
-    pub(super) fn tell(&mut self, line: &str) -> Result<(), StepError> {
-        self.voice.tell(line)
+    /// Reports a line.
+    pub(super) fn report(&mut self, line: &str) -> Result<(), StepError> {
+        self.output.report(line)
     }
 
-    /// Asks for a task. A person has done it on return; the simulated hand has begun.
+    /// Asks for a task. A person has done it on return; the simulated operator has begun.
     pub(super) fn ask(&mut self, task: &Task) -> Result<(), StepError> {
-        self.voice.ask(&task.text(), self.hand.is_some())?;
-        match &self.hand {
-            Some(hand) => hand.begin(task),
+        self.output.ask(&task.text(), self.actions.is_some())?;
+        match &self.actions {
+            Some(actions) => actions.begin(task),
             None => Ok(()),
         }
     }
 
     /// What follows belongs to this step.
     pub(super) fn begin_step(&self, step: &'static str) {
-        if let Some(hand) = &self.hand {
-            hand.begin_step(step);
+        if let Some(actions) = &self.actions {
+            actions.begin_step(step);
         }
     }
 
-    /// What the simulated arm went through in each step, as JSON; none of a real one.
-    pub(super) fn witnessed(&self) -> Result<Option<String>, StepError> {
-        self.hand.as_ref().map(Hand::witnessed).transpose()
+    /// What happened to the simulated arm in each step, as JSON; none of a real one.
+    pub(super) fn observed(&self) -> Result<Option<String>, StepError> {
+        self.actions
+            .as_ref()
+            .map(OperatorActions::observed)
+            .transpose()
     }
 
     /// Whether the task is done.
     pub(super) fn is_done(&self) -> bool {
-        self.hand.as_ref().is_none_or(Hand::is_done)
+        self.actions.as_ref().is_none_or(OperatorActions::is_done)
     }
 }

@@ -1,8 +1,8 @@
-//! The simulated arm behind a controller in this process, and the hand that moves it.
+//! The simulated arm behind a controller in this process, and what an operator does with it.
 
 use super::StepError;
+use super::observer::Observer;
 use super::operator::Task;
-use super::witness::Witness;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
@@ -14,19 +14,19 @@ use nalgebra::Vector2;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Ticks for which the hand moves the arm: at 10 kHz, 0.2 s.
+/// Ticks for which the operator moves the arm: at 10 kHz, 0.2 s.
 const MOVING_TICKS: u32 = 2000;
 
-/// From where to where the hand moves the arm.
+/// A motion of the arm by hand.
 #[derive(Clone, Copy)]
-enum Way {
+enum HandMotion {
     /// Angles of joints 1 and 4 [rad].
     Joints([[f64; 2]; 2]),
-    /// Places of C on a straight line [m].
+    /// Positions of C on a straight line [m].
     Tip([[f64; 2]; 2]),
 }
 
-/// The arm and what the hand does with it.
+/// The arm and what the operator does with it.
 struct Held {
     plant: Plant,
     /// The lengths as they are.
@@ -35,49 +35,49 @@ struct Held {
     mode: WorkingMode,
     period: f64,
     hands: Hands,
-    /// The ways of the hand and the ticks on the first one; none if nobody holds the arm.
-    motion: Option<(Vec<Way>, u32)>,
-    /// Angles at which the arm moves best [rad]: ways lead through there.
+    /// The motions that are left and the ticks of the first one; none if nobody holds the arm.
+    motion: Option<(Vec<HandMotion>, u32)>,
+    /// Angles at which the arm moves best [rad]: motions lead through there.
     middle: [f64; 2],
     /// The home angles of its jig [rad].
     home: [f64; 2],
-    witness: Witness,
+    observer: Observer,
 }
 
-/// The hand of the simulated arm.
+/// The actions of an operator at the simulated arm.
 #[derive(Clone)]
-pub(super) struct Hand(Arc<Mutex<Held>>);
+pub(super) struct OperatorActions(Arc<Mutex<Held>>);
 
 impl Held {
     fn tick(&mut self, command: &ActuatorCommand) -> SensorSample {
         self.plant.press(self.hands);
         match &mut self.motion {
             None => self.plant.step(command, self.period),
-            Some((ways, ticks)) => {
+            Some((motions, ticks)) => {
                 *ticks += 1;
-                if *ticks > MOVING_TICKS && ways.len() > 1 {
-                    ways.remove(0);
+                if *ticks > MOVING_TICKS && motions.len() > 1 {
+                    motions.remove(0);
                     *ticks = 1;
                 }
                 let s = (f64::from(*ticks) / f64::from(MOVING_TICKS)).min(1.0);
                 let share = s * s * (3.0 - 2.0 * s);
-                let pose = ways
-                    .first()
-                    .and_then(|way| way.pose(share, &self.geometry, self.assembly, self.mode));
+                let pose = motions.first().and_then(|motion| {
+                    motion.pose(share, &self.geometry, self.assembly, self.mode)
+                });
                 if let Some(pose) = pose {
                     self.plant.hold_by_hand(&pose, self.period);
                 }
             }
         }
-        self.witness.see(&self.plant, command, self.period);
+        self.observer.observe(&self.plant, command, self.period);
         self.plant.sense()
     }
 
-    /// Whether the arm can be moved along this way, without a jump.
-    fn is_free(&self, way: &Way) -> bool {
+    /// Whether the arm can be moved like this, without a jump.
+    fn is_free(&self, motion: &HandMotion) -> bool {
         let pose = |step: u32| {
             let share = f64::from(step) / 500.0;
-            way.pose(share, &self.geometry, self.assembly, self.mode)
+            motion.pose(share, &self.geometry, self.assembly, self.mode)
         };
         let mut last: Option<[f64; 4]> = None;
         (0..=500).all(|step| {
@@ -96,17 +96,20 @@ impl Held {
         let from = [0, 1].map(|joint| self.plant.angle(joint));
         let now = self.geometry.forward(from[0], from[1], self.assembly);
         let now = now.map_err(StepError::other)?;
-        let direct = [Way::Joints([from, to]), Way::Tip([now.c.into(), place])];
-        let through = [
-            Way::Joints([from, self.middle]),
-            Way::Joints([self.middle, to]),
+        let direct = [
+            HandMotion::Joints([from, to]),
+            HandMotion::Tip([now.c.into(), place]),
         ];
-        let ways = direct
+        let through = [
+            HandMotion::Joints([from, self.middle]),
+            HandMotion::Joints([self.middle, to]),
+        ];
+        let motions = direct
             .into_iter()
-            .map(|way| vec![way])
+            .map(|motion| vec![motion])
             .chain([through.to_vec()])
-            .find(|ways| ways.iter().all(|way| self.is_free(way)));
-        let ways = ways.ok_or_else(|| {
+            .find(|motions| motions.iter().all(|motion| self.is_free(motion)));
+        let motions = motions.ok_or_else(|| {
             StepError::Other(format!(
                 "no way for the arm leads to the hole at ({:.0}, {:.0}) mm: set limits.angle of the robot \
                  file to what the cranks can do, then commission it into another folder (--out)",
@@ -114,13 +117,13 @@ impl Held {
                 1e3 * place[1]
             ))
         })?;
-        self.motion = Some((ways, 0));
+        self.motion = Some((motions, 0));
         Ok(())
     }
 }
 
-impl Way {
-    /// The pose after this share of the way; none out of reach.
+impl HandMotion {
+    /// The pose after this share of the motion; none out of reach.
     fn pose(
         &self,
         share: f64,
@@ -141,7 +144,7 @@ impl Way {
     }
 }
 
-impl Hand {
+impl OperatorActions {
     fn held(&self) -> MutexGuard<'_, Held> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -181,31 +184,36 @@ impl Hand {
         Ok(())
     }
 
-    /// The true place of the arm's tool [m].
+    /// The true position of the arm's tool [m].
     pub(super) fn tool(&self) -> [f64; 2] {
         self.held().plant.tool().into()
     }
 
     /// What follows belongs to this step.
     pub(super) fn begin_step(&self, step: &'static str) {
-        self.held().witness.begin(step);
+        self.held().observer.begin(step);
     }
 
-    /// What the arm went through in each step, as JSON.
-    pub(super) fn witnessed(&self) -> Result<String, StepError> {
-        self.held().witness.report().map_err(StepError::other)
+    /// What happened to the arm in each step, as JSON.
+    pub(super) fn observed(&self) -> Result<String, StepError> {
+        self.held().observer.report().map_err(StepError::other)
     }
 
-    /// Whether the hand rests.
+    /// Whether the arm is where the task has it.
     pub(super) fn is_done(&self) -> bool {
         let held = self.held();
-        let rests = |(ways, ticks): &(Vec<Way>, u32)| ways.len() == 1 && *ticks >= MOVING_TICKS;
+        let rests = |(motions, ticks): &(Vec<HandMotion>, u32)| {
+            motions.len() == 1 && *ticks >= MOVING_TICKS
+        };
         held.motion.as_ref().is_none_or(rests)
     }
 }
 
 /// A controller in this process with the settings of `robot`, which moves the arm of `scenario`.
-pub(super) fn arm(scenario: &Scenario, robot: &Robot) -> Result<(Loopback, Hand), StepError> {
+pub(super) fn arm(
+    scenario: &Scenario,
+    robot: &Robot,
+) -> Result<(Loopback, OperatorActions), StepError> {
     let settings = robot.settings().map_err(StepError::other)?;
     let true_robot = &scenario.robot;
     let mismatch = &scenario.mismatch;
@@ -232,11 +240,11 @@ pub(super) fn arm(scenario: &Scenario, robot: &Robot) -> Result<(Loopback, Hand)
         period: 1.0 / true_robot.control.tick_rate,
         hands: Hands::default(),
         motion: None,
-        witness: Witness::new(),
+        observer: Observer::new(),
     };
-    let hand = Hand(Arc::new(Mutex::new(held)));
-    let moved = hand.clone();
+    let actions = OperatorActions(Arc::new(Mutex::new(held)));
+    let moved = actions.clone();
     let arm = move |command: &ActuatorCommand| moved.held().tick(command);
     let line = Loopback::driving(&settings, Box::new(arm)).map_err(StepError::other)?;
-    Ok((line, hand))
+    Ok((line, actions))
 }

@@ -60,7 +60,7 @@ fn wait(server: &Server, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
     }
 }
 
-/// Does a step; the simulated hand does its tasks.
+/// Does a step; the simulated operator does its tasks.
 fn finish(server: &Server, step: &str) -> Value {
     assert_eq!(click(server, "/begin", step), 204);
     let ended = |state: &Value| {

@@ -107,7 +107,7 @@ pub(in super::super) fn validation(bench: &mut Bench) -> Result<Outcome, StepErr
     bench.robot = measured;
     let placement = bench.placement;
     let after = draw(bench, placement)?;
-    let origin = match bench.operator.hand() {
+    let origin = match bench.operator.actions() {
         Some(_) => "the true tip of the simulated arm",
         None => "as the encoders see it; measure the drawing itself",
     };
@@ -157,7 +157,7 @@ fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<Drawing,
     let scenario = demonstration(&bench.robot)?;
     let job = scenario.job().map_err(StepError::other)?;
     let moves = scenario.run_moves(&job).map_err(StepError::other)?;
-    let hand = bench.operator.hand().cloned();
+    let actions = bench.operator.actions().cloned();
     let mut points = Vec::new();
     let mut take = |_: usize, status: &Status| {
         let Some(reference) = status.reference else {
@@ -167,7 +167,7 @@ fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<Drawing,
         let (sin, cos) = phi.sin_cos();
         let on_plate = [plate_x + cos * xr - sin * yr, plate_y + sin * xr + cos * yr];
         let believed = status.tool.map(|tool| (tool.map(f64::from), [xr, yr]));
-        let seen = hand.as_ref().map(|hand| (hand.tool(), on_plate));
+        let seen = actions.as_ref().map(|actions| (actions.tool(), on_plate));
         let Some(([x, y], [xd, yd])) = seen.or(believed) else {
             return;
         };

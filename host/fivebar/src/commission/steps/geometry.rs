@@ -160,8 +160,8 @@ fn encoder_errors(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>
 fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
     let proposal = propose_poses(&bench.robot, HOLES, SIGMA).map_err(StepError::other)?;
     bench.home()?;
-    bench.tell("The holes of the plate, in the arm's own frame: fivebar calibrate --propose 40 --plate FILE.svg")?;
-    let simulated = bench.operator.hand().is_some();
+    bench.report("The holes of the plate, in the arm's own frame: fivebar calibrate --propose 40 --plate FILE.svg")?;
+    let simulated = bench.operator.actions().is_some();
     let mut noise = Noise::new(7);
     let mut rows = Vec::new();
     let mut first = None;

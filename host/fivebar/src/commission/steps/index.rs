@@ -59,7 +59,7 @@ pub(super) fn home(bench: &mut Bench) -> Result<Vec<Value>, StepError> {
         let Some(way) = way else { continue };
         let number = number(joint);
         if !(NEAR..=1.0 - NEAR).contains(&way) {
-            bench.tell(format_args!(
+            bench.report(format_args!(
                 "the switch of joint {number} closes {way:.2} turns of the encoder behind the index \
                  pulse, and homing refuses less than {INDEX_MARGIN} and more than {}: better move the \
                  switch, or turn the disc, to 0.5",

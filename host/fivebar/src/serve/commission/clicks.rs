@@ -1,7 +1,7 @@
-//! What pages click, and the voice that asks them for tasks.
+//! What pages click, and the output that asks them for tasks.
 
 use super::state::Shared;
-use crate::commission::{StepError, Voice};
+use crate::commission::{Output, StepError};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -16,24 +16,24 @@ pub(super) enum Click {
     Begin(&'static str),
     /// Forget this step and those after it.
     Again(&'static str),
-    /// The task is done; `all`: the simulated arm's hand does the other tasks of the step, too.
+    /// The task is done; `all`: the simulated operator does the other tasks of the step, too.
     Done { all: bool },
 }
 
-/// Asks pages for tasks.
-pub(super) struct PageVoice {
+/// Shows lines on pages and asks them for tasks.
+pub(super) struct PageOutput {
     shared: Arc<Shared>,
     clicked: Arc<Mutex<Receiver<Click>>>,
 }
 
-impl PageVoice {
+impl PageOutput {
     pub(super) fn new(shared: Arc<Shared>, clicked: Arc<Mutex<Receiver<Click>>>) -> Self {
         Self { shared, clicked }
     }
 }
 
-impl Voice for PageVoice {
-    fn tell(&mut self, line: &str) -> Result<(), StepError> {
+impl Output for PageOutput {
+    fn report(&mut self, line: &str) -> Result<(), StepError> {
         self.shared.change(|state| state.lines.push(line.into()));
         Ok(())
     }

@@ -30,7 +30,7 @@ struct ShownStep {
 #[derive(Clone, Debug, Serialize)]
 struct ShownTask {
     text: String,
-    /// The simulated arm's hand can do it.
+    /// The simulated operator can do it.
     simulated: bool,
 }
 

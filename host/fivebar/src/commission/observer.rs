@@ -34,8 +34,8 @@ struct PoweredSpan {
     heat: f64,
 }
 
-/// An observer of the simulated arm.
-pub(super) struct Witness {
+/// Observes the simulated arm in each step.
+pub(super) struct Observer {
     steps: Vec<StepExtremes>,
     span: Option<PoweredSpan>,
 }
@@ -54,7 +54,7 @@ impl StepExtremes {
     }
 }
 
-impl Witness {
+impl Observer {
     pub(super) fn new() -> Self {
         Self {
             steps: vec![StepExtremes::new("")],
@@ -67,8 +67,8 @@ impl Witness {
         self.steps.push(StepExtremes::new(step));
     }
 
-    /// Sees a tick of `period` [s] with these outputs.
-    pub(super) fn see(&mut self, plant: &Plant, command: &ActuatorCommand, period: f64) {
+    /// Observes a tick of `period` [s] with these outputs.
+    pub(super) fn observe(&mut self, plant: &Plant, command: &ActuatorCommand, period: f64) {
         let Some(step) = self.steps.last_mut() else {
             return;
         };
@@ -102,7 +102,7 @@ impl Witness {
         }
     }
 
-    /// What it saw, as JSON.
+    /// What it has observed, as JSON.
     pub(super) fn report(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(&self.steps)
     }
