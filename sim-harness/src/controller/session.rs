@@ -121,3 +121,94 @@ impl Session {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Session;
+    use crate::controller::{Connection, simulated};
+    use crate::link::{Client, Tracer};
+    use fivebar_files::robot::Robot;
+    use fivebar_firmware::protocol::{HostCommand, Reply};
+    use fivebar_firmware::safety::State;
+    use fivebar_firmware::{Move, MoveKind, Request};
+    use std::io::{self, Write};
+    use std::sync::{Arc, Mutex};
+    use std::time::{Duration, Instant};
+
+    /// What a tracer writes.
+    #[derive(Clone, Default)]
+    struct Trace(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Trace {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// Passes time until the status is as wanted.
+    fn wait(session: &mut Session, wanted: impl Fn(&Session) -> bool) {
+        let start = Instant::now();
+        loop {
+            session.read_status().unwrap();
+            if wanted(session) {
+                return;
+            }
+            assert!(start.elapsed() < Duration::from_secs(60), "it takes long");
+            session.pass_time().unwrap();
+        }
+    }
+
+    /// A session with the simulated benchtop arm, which moves.
+    fn moving(trace: Trace) -> Session {
+        let robot = Robot::load("benchtop").unwrap();
+        let line = Tracer::new(simulated::line(&robot).unwrap(), trace);
+        let line: Box<dyn Connection> = Box::new(line);
+        let (client, _) = Client::open(line).unwrap();
+        let settings = robot.settings().unwrap().check().unwrap();
+        let mut session = Session::new(client, None, settings).unwrap();
+        let refusal = session.request(Request::Arm).unwrap().unwrap_err();
+        assert_eq!(refusal, "The joint angles are unknown: home first.");
+        session.request(Request::Home).unwrap().unwrap();
+        wait(&mut session, |session| session.status.homed);
+        session.wait_until_off().unwrap();
+        session.request(Request::Arm).unwrap().unwrap();
+        wait(&mut session, |session| session.status.reference.is_some());
+        let [x, y] = session.status.reference.unwrap();
+        let kind = MoveKind::Line {
+            to: [x + 0.03, y],
+            feed: 0.1,
+        };
+        let (tag, tool) = (1, 0);
+        let next = HostCommand::Move(Move { tag, tool, kind });
+        let reply = session.client.call(next).unwrap();
+        assert!(matches!(reply, Reply::Taken { .. }), "{reply:?}");
+        wait(&mut session, |session| {
+            session.status.velocity.iter().any(|rate| rate.abs() > 0.2)
+        });
+        session
+    }
+
+    /// On a busy machine the controller may have stopped the arm before, with a fault.
+    #[test]
+    fn a_session_brings_a_moving_arm_to_rest_before_it_switches_the_bridges_off() {
+        let trace = Trace::default();
+        let mut session = moving(trace.clone());
+        session.stop_arm().unwrap();
+        let state = session.status.state;
+        assert!(matches!(state, State::Stopped | State::Fault), "{state:?}");
+        let trace = String::from_utf8(trace.0.lock().unwrap().clone()).unwrap();
+        let (before, _) = trace.rsplit_once("Request(Disarm)").unwrap();
+        let status = before.lines().rfind(|line| line.contains("reply: Status"));
+        let status = status.expect("a status before the end");
+        assert!(
+            ["state: Armed", "state: Fault"]
+                .iter()
+                .any(|state| status.contains(state)),
+            "{status}"
+        );
+    }
+}

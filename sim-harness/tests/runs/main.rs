@@ -1,4 +1,3 @@
-//! What jobs ask of an arm at home, and how a session ends.
+//! What jobs ask of an arm at home.
 
 mod approach;
-mod session;
