@@ -74,7 +74,7 @@ fuzz() {
     done
 }
 commands() { scripts/commands.sh; }
-demo() { cargo run --release --quiet -- --out "$built/demonstration"; }
+demo() { cargo run --quiet -- --out "$built/demonstration"; }
 
 all=(format file_lengths words links actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
 steps=("$@")

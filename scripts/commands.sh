@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs every command that the documents show in their fenced sh blocks, in order, as a reader
-# of README.md would. It runs them in a separate folder, with the release binary in place of
+# of README.md would. It runs them in a separate folder, with the built program in place of
 # `cargo run` and of an installed `fivebar`.
 #
 # A command whose comment says "on purpose" must end with status 1, every other command with
@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
 
 root=$PWD
-program=$built/release/fivebar
+program=$built/debug/fivebar
 scratch=$built/commands
 
 # Commands that are not run here, and why.
@@ -141,7 +141,7 @@ run() {
     done < <(grep -oE -- '(--out|--log) [^ ]+' <<<"$command")
 }
 
-cargo build --release --quiet --package fivebar --features png,mcap
+cargo build --quiet --package fivebar --features png,mcap
 rm -rf "$scratch"
 mkdir -p "$scratch"
 ln -s "$root/host" "$scratch/host"
@@ -150,7 +150,7 @@ declare -A seen
 count=0
 skipped=0
 while IFS=$'\t' read -r place shown comment; do
-    command=$(sed -E -e "s#cargo run --release( --features [a-z,]+)?( --( |\$)|\$)#$program\3#" \
+    command=$(sed -E -e "s#cargo run( --features [a-z,]+)?( --( |\$)|\$)#$program\3#" \
         -e "s#(^|\| )fivebar( |\$)#\1$program\2#" <<<"$shown")
     started=$SECONDS
     if why=$(reason_not_to_run "$shown"); then

@@ -12,7 +12,7 @@ if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros1' 2>/dev/null; then
 fi
 out=$built/peers
 mkdir -p "$out"
-fivebar() { cargo run --quiet --release --features mcap -- "$@"; }
+fivebar() { cargo run --quiet --features mcap -- "$@"; }
 
 # A run of an arm without mismatch, and the arm as a model, in a folder of its own.
 run() {

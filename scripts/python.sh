@@ -10,7 +10,7 @@ source scripts/target-dir.sh
     cargo fmt --check
     cargo clippy --quiet --locked -- -D warnings
 )
-cargo build --quiet --release --package fivebar # the tests compare with the program
+cargo build --quiet --package fivebar # the tests compare with the program
 
 venv=$built/python-venv
 rm -rf "$venv"
