@@ -11,6 +11,7 @@ use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::ripple::Ripple;
 use crate::transmission::Spring;
+use fivebar_kinematics::five_bar::Joint;
 
 /// Phase of an oscillation in one integration step [rad]. Numerically it is then damped by a
 /// ratio of 0.35⁵/144 = 4e-5.
@@ -55,11 +56,11 @@ pub(crate) struct DriveAction {
 }
 
 impl Drive {
-    /// A drive, 0 or 1, with its motor and the inertia of its link about the pivot [kg·m²].
+    /// A drive, with its motor and the inertia of its link about the pivot [kg·m²].
     pub(crate) fn new(
         parameters: &Parameters,
         mismatch: &Mismatch,
-        joint: usize,
+        joint: Joint,
         motor: &Motor,
         link: f64,
     ) -> Self {

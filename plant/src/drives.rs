@@ -11,6 +11,7 @@ use crate::dynamics::{DRIVEN, Loads, Model, Rates, SHORTEST_STEP, State};
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
 use crate::supply::Supply;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
 /// Energies since the start [J].
@@ -59,7 +60,7 @@ struct WholeRates {
 impl Whole {
     #[inline]
     fn after(&self, rates: &WholeRates, time: f64) -> Self {
-        let drive = |j: usize| {
+        let drive = |j: Joint| {
             let (state, rate) = (&self.drives[j], &rates.drives[j]);
             DriveState {
                 angle: state.angle + rate.angle * time,
@@ -69,7 +70,7 @@ impl Whole {
         };
         Self {
             arm: self.arm.after(&rates.arm, time),
-            drives: [drive(0), drive(1)],
+            drives: Joint::ALL.map(drive),
             energy: Energy {
                 supplied: self.energy.supplied + rates.energy.supplied * time,
                 lost: self.energy.lost + rates.energy.lost * time,
@@ -88,13 +89,14 @@ impl Drives {
     ) -> Option<Self> {
         let links = model.about_pivots();
         let drives =
-            [0, 1].map(|j| Drive::new(parameters, mismatch, j, &model.motors[j], links[j]));
+            Joint::ALL.map(|j| Drive::new(parameters, mismatch, j, &model.motors[j], links[j]));
         let resistance = mismatch.supply_resistance;
         let supply = (resistance > 0.0).then_some(Supply { resistance });
         if supply.is_none() && drives.iter().all(Drive::is_ideal) {
             return None;
         }
-        let steps = [0, 1].map(|j| drives[j].longest_step_at_rest(&model.motors[j], resistance));
+        let steps =
+            Joint::ALL.map(|j| drives[j].longest_step_at_rest(&model.motors[j], resistance));
         Some(Self {
             longest_at_rest: model.longest_step().min(steps[0]).min(steps[1]),
             drives,
@@ -118,7 +120,7 @@ impl Drives {
     }
 
     /// Breaks a drive's belt; a rigid drive has none.
-    pub(crate) fn break_belt(&mut self, joint: usize) {
+    pub(crate) fn break_belt(&mut self, joint: Joint) {
         if let Some(spring) = &mut self.drives[joint].spring {
             spring.break_apart();
         }
@@ -176,7 +178,7 @@ impl Drives {
         let mut energy = Energy::default();
         let drop = self.supply.map_or(0.0, |s| s.drop(*duty, arm.current));
         energy.lost += drop * Supply::current(*duty, arm.current);
-        for j in 0..2 {
+        for j in Joint::ALL {
             let motor = &model.motors[j];
             let action = self.action(model, arm, &whole.drives[j], j);
             torque[j] += action.torque;
@@ -209,7 +211,7 @@ impl Drives {
 
     /// What a drive does at this state.
     #[inline]
-    fn action(&self, model: &Model, arm: &State, state: &DriveState, j: usize) -> DriveAction {
+    fn action(&self, model: &Model, arm: &State, state: &DriveState, j: Joint) -> DriveAction {
         let (theta, omega) = (arm.q[DRIVEN[j]].angular, arm.v[DRIVEN[j]].angular);
         self.drives[j].action(&model.motors[j], state, theta, omega, arm.current[j])
     }
@@ -226,11 +228,12 @@ impl Drives {
 
     /// Energy of the currents that floating terminals end [J].
     fn cleared(&self, model: &Model, state: &State, loads: &Loads) -> f64 {
-        let ended = |j: usize| match loads.voltage[j] {
+        let ended = |j: Joint| match loads.voltage[j] {
             Some(_) => 0.0,
             None => winding(model, state, j),
         };
-        ended(0) + ended(1)
+        let [ended1, ended4] = Joint::ALL.map(ended);
+        ended1 + ended4
     }
 
     /// The drives' states.
@@ -246,11 +249,12 @@ impl Drives {
     /// Energy in the arm, the windings, the rotors, the springs, the bristles and the magnets'
     /// cogging [J].
     pub fn stored(&self, model: &Model, state: &State) -> f64 {
-        let of = |j: usize| {
+        let of = |j: Joint| {
             let theta = state.q[DRIVEN[j]].angular;
             winding(model, state, j) + self.drives[j].energy(&self.state[j], theta)
         };
-        model.energy(state) + of(0) + of(1)
+        let [drive1, drive4] = Joint::ALL.map(of);
+        model.energy(state) + drive1 + drive4
     }
 
     /// The voltage that the supply's resistance takes [V].
@@ -260,19 +264,19 @@ impl Drives {
     }
 
     /// The angle over the gear ratio [rad] and its rate [rad/s] of a rotor; none without a spring.
-    pub(crate) fn rotor(&self, joint: usize) -> Option<(f64, f64)> {
+    pub(crate) fn rotor(&self, joint: Joint) -> Option<(f64, f64)> {
         let DriveState { angle, speed, .. } = self.state[joint];
         self.drives[joint].spring.map(|_| (angle, speed))
     }
 
     /// The force through each joint, A to E, on the body nearer to E [N].
     pub(crate) fn reactions(&self, model: &Model, state: &State, force: Vector2<f64>) -> PerJoint {
-        let torque = [0, 1].map(|j| self.action(model, state, &self.state[j], j).torque);
+        let torque = Joint::ALL.map(|j| self.action(model, state, &self.state[j], j).torque);
         model.accelerations(state, torque, force).1
     }
 }
 
 /// Energy of a winding [J].
-fn winding(model: &Model, state: &State, joint: usize) -> f64 {
+fn winding(model: &Model, state: &State, joint: Joint) -> f64 {
     0.5 * model.motors[joint].inductance * state.current[joint] * state.current[joint]
 }

@@ -3,6 +3,7 @@
 use crate::chain::{Chain, PerJoint};
 use crate::motor::Motor;
 use crate::planar::{Body, PlanarVector, perp, rotation, times};
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
 /// The chain with motors, gravity and tool.
@@ -76,7 +77,7 @@ impl State {
             next.q[i] = self.q[i] + rates.v[i] * time;
             next.v[i] = self.v[i] + rates.a[i] * time;
         }
-        for j in 0..2 {
+        for j in Joint::ALL {
             next.current[j] = self.current[j] + rates.current[j] * time;
         }
         next
@@ -86,7 +87,7 @@ impl State {
 impl Model {
     /// Torque of each drive at its joint [N·m], friction included.
     pub fn drive_torque(&self, state: &State) -> [f64; 2] {
-        [0, 1].map(|j| {
+        Joint::ALL.map(|j| {
             let omega = state.v[DRIVEN[j]].angular;
             self.motors[j].torque(state.current[j]) + self.motors[j].friction(omega)
         })
@@ -170,7 +171,7 @@ impl Model {
     /// The longest integration step that resolves motors and friction [s].
     pub fn longest_step(&self) -> f64 {
         let about_pivot = self.about_pivots();
-        let rates = [0, 1].map(|j| self.motors[j].fastest_rate(about_pivot[j]));
+        let rates = Joint::ALL.map(|j| self.motors[j].fastest_rate(about_pivot[j]));
         (1.0 / (self.finer_steps * rates[0].max(rates[1]))).max(SHORTEST_STEP)
     }
 
@@ -196,7 +197,7 @@ impl Model {
     /// di/dt of the motors [A/s].
     #[inline(always)]
     pub(crate) fn current_rates(&self, state: &State, loads: &Loads) -> [f64; 2] {
-        [0, 1].map(|j| {
+        Joint::ALL.map(|j| {
             let omega = state.v[DRIVEN[j]].angular;
             loads.voltage[j].map_or(0.0, |voltage| {
                 self.motors[j].current_rate(voltage, state.current[j], omega)

@@ -1,105 +1,107 @@
 //! Injected faults of the simulated arm.
 
-/// A fault to inject. `joint` is an index, 0 for joint 1 (at A) and 1 for joint 4 (at E).
+use fivebar_kinematics::five_bar::Joint;
+
+/// A fault to inject.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
     /// The encoder's counts stop.
     EncoderDead {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The encoder's counts jump once.
     EncoderJump {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The change of the counts.
         counts: i32,
     },
     /// The encoder counts this many times as much from now on: −1 backwards, 0.5 half.
     EncoderGain {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The factor.
         gain: f64,
     },
     /// The encoder's counts stop for this many ticks, and are that late from then on.
     EncoderLate {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The number of ticks.
         ticks: u32,
     },
     /// One of the encoder's two channels stops: the counts go up and down by 1.
     EncoderChannelStuck {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// Noise on the encoder's counts.
     EncoderNoise {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The greatest error of the counts.
         counts: i32,
     },
     /// The encoder's index output no longer follows its disc.
     IndexStuck {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// Whether it stays high.
         high: bool,
     },
     /// The home switch no longer follows the joint.
     SwitchStuck {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// Whether it stays pressed.
         pressed: bool,
     },
     /// The motor's lead breaks.
     MotorDisconnected {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// Half of the motor's turns are shorted: they brake, the others drive.
     WindingShorted {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The joint jams.
     MotorStalled {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The current sensor's zero shifts.
     CurrentOffset {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The shift [A].
         amperes: f64,
     },
     /// The current sensor shows no current.
     CurrentDead {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The current sensor shows this many times the current: −1 reversed, 0.5 half.
     CurrentGain {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The factor.
         gain: f64,
     },
     /// The current sensor's output stays where it is for this current.
     CurrentStuck {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The current [A].
         amperes: f64,
     },
     /// The current sensor's output is late from now on.
     CurrentLate {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The number of ticks.
         ticks: u32,
     },
@@ -117,33 +119,33 @@ pub enum FaultKind {
     },
     /// A bridge drives its motor in the direction of positive duties only.
     BridgeOneDirection {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// A bridge's transistor is shorted: while it is on, its motor gets the whole bus voltage.
     BridgeShorted {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// A bridge keeps its present duty.
     DutyStuck {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// A bridge raises its fault output and turns itself off.
     DriverFault {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The fault output's wire is shorted to ground: a fault is reported, and the bridge works.
     DriverFaultStuck {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The wire of a bridge's fault output breaks: it reads as a fault, and the bridge goes on.
     DriverFaultOpen {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The emergency stop is pressed.
     EmergencyStop,
@@ -153,32 +155,32 @@ pub enum FaultKind {
     ContactorWelded,
     /// A brake stays engaged.
     BrakeStuck {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// A brake engages so much later than before.
     BrakeLate {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The additional time [s].
         seconds: f64,
     },
     /// A brake loses its torque.
     BrakeFails {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The coupling between motor and joint slips from now on: the joint turns less than the motor.
     CouplingSlips {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
         /// The share of the motor's motion that is lost, 0 to 1.
         share: f64,
     },
     /// The belt of a drive that has a stiffness breaks.
     BeltBreaks {
-        /// 0 or 1.
-        joint: usize,
+        /// The joint.
+        joint: Joint,
     },
     /// The payload gets heavier, or lighter.
     PayloadChanges {

@@ -3,6 +3,7 @@
 //! Between two recorded instants the angle is interpolated by the cubic that has the angles and
 //! the speeds at both (Hermite).
 
+use fivebar_kinematics::five_bar::Joint;
 use std::collections::VecDeque;
 
 /// The angles of both encoders' shafts, over the gear ratio, at the end of a tick.
@@ -40,9 +41,9 @@ impl Delay {
         }
     }
 
-    /// The angle that an encoder, 0 or 1, shows at `time` [rad], not before the latest record.
+    /// The angle that an encoder, shows at `time` [rad], not before the latest record.
     /// Before the first record the shaft stood still.
-    pub(crate) fn angle(&self, joint: usize, time: f64) -> Option<f64> {
+    pub(crate) fn angle(&self, joint: Joint, time: f64) -> Option<f64> {
         let time = time - self.latency[joint];
         let after = self.past.partition_point(|instant| instant.time <= time);
         let last = self.past.get(after.saturating_sub(1))?;

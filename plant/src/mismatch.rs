@@ -5,7 +5,7 @@ use crate::mismatch_error::{Bound, MismatchError};
 use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::transmission::{Spring, Transmission};
-use fivebar_kinematics::five_bar::Geometry;
+use fivebar_kinematics::five_bar::{Geometry, Joint};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -150,7 +150,7 @@ impl Mismatch {
             let [change, ..] = self.link_length;
             return Err(Bound::Assembly.broken_by("link_length", change));
         }
-        for joint in [0, 1] {
+        for joint in Joint::ALL {
             let transmission = self.transmission(parameters, joint);
             let motor = &parameters.motors[joint];
             self.check_drive(&transmission, motor, joint)?;
@@ -165,7 +165,7 @@ impl Mismatch {
         &self,
         transmission: &Transmission,
         motor: &Motor,
-        joint: usize,
+        joint: Joint,
     ) -> Result<(), MismatchError> {
         let backlash = self.backlash[joint];
         let damping = self.drive_damping[joint];
@@ -202,8 +202,8 @@ impl Mismatch {
         [l1 + d1, l2 + d2, l3 + d3, l4 + d4, base + self.base_length]
     }
 
-    /// The transmission of a drive, 0 or 1, with this mismatch.
-    pub fn transmission(&self, parameters: &Parameters, joint: usize) -> Transmission {
+    /// The transmission of a drive, with this mismatch.
+    pub fn transmission(&self, parameters: &Parameters, joint: Joint) -> Transmission {
         let known = parameters.transmissions[joint];
         let damping = self.drive_damping[joint];
         Transmission {
@@ -218,8 +218,8 @@ impl Mismatch {
 }
 
 impl Mismatch {
-    /// The spring of a drive, 0 or 1, with this mismatch; none if it is rigid.
-    pub(crate) fn spring(&self, parameters: &Parameters, joint: usize) -> Option<Spring> {
+    /// The spring of a drive, with this mismatch; none if it is rigid.
+    pub(crate) fn spring(&self, parameters: &Parameters, joint: Joint) -> Option<Spring> {
         let transmission = self.transmission(parameters, joint);
         Spring::new(
             &transmission,

@@ -9,7 +9,7 @@ use crate::planar::{Body, PlanarVector, perp, rotation, times};
 use crate::sensors::JointSensors;
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::HomingMethod;
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ impl Model {
         let arm = &parameters.arm;
         let [l1, l2, l3, l4, base] = mismatch.lengths(arm.geometry().lengths());
         let heavier = 1.0 + mismatch.link_mass;
-        let motors = [0, 1].map(|joint| {
+        let motors = Joint::ALL.map(|joint| {
             let motor = parameters.motors[joint];
             Motor {
                 torque_constant: motor.torque_constant * (1.0 + mismatch.torque_constant[joint]),
@@ -44,7 +44,7 @@ impl Model {
         });
         let payload = arm.payload() + mismatch.payload;
         let shift = add_point_mass(&mut bodies[1], payload);
-        for (joint, body) in DRIVEN.into_iter().enumerate() {
+        for (joint, body) in Joint::ALL.into_iter().zip(DRIVEN) {
             if mismatch.spring(parameters, joint).is_none() {
                 bodies[body].inertia += motors[joint].reflected_inertia();
             }
@@ -132,8 +132,8 @@ fn add_point_mass(body: &mut Body, mass: f64) -> Vector2<f64> {
 }
 
 impl JointSensors {
-    /// The sensors of a joint, 0 or 1, as in the controller's settings, with this mismatch.
-    pub fn new(settings: &Settings, mismatch: &Mismatch, joint: usize) -> Self {
+    /// The sensors of a joint, as in the controller's settings, with this mismatch.
+    pub fn new(settings: &Settings, mismatch: &Mismatch, joint: Joint) -> Self {
         let axis = &settings.axes[joint];
         let counts_per_turn = f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio);
         let home = f64::from(axis.home_angle) + mismatch.home_error[joint];

@@ -22,7 +22,7 @@ use crate::worn_joints::WornJoints;
 use fivebar_design::Noise;
 use fivebar_firmware::settings::HomingMethod;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -93,14 +93,14 @@ impl Plant {
             let angle = &mut state.q[link].angular;
             *angle += ((f64::from(axis.home_angle) - *angle) / TAU).round() * TAU;
         }
-        let encoder = |joint: usize| {
+        let encoder = |joint: Joint| {
             let (known, motor) = (&parameters.encoders[joint], &parameters.motors[joint]);
             TrueEncoder::new(known, motor.gear_ratio, &mismatch.encoder_error[joint])
         };
         let latency =
-            |joint: usize| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
+            |joint: Joint| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
         let settings = &parameters.settings;
-        let sensors = [0, 1].map(|joint| {
+        let sensors = Joint::ALL.map(|joint| {
             let known = JointSensors::new(settings, mismatch, joint);
             let switch = parameters.switches.map(|switches| switches[joint]);
             JointSensors {
@@ -108,12 +108,12 @@ impl Plant {
                 ..known
             }
         });
-        let encoders = [0, 1].map(encoder);
+        let encoders = Joint::ALL.map(encoder);
         let method = settings.home_reference.method;
         let stops =
             (method == HomingMethod::HardStop).then(|| sensors.each_ref().map(HardStop::at_home));
         let indices = (method == HomingMethod::Index).then(|| {
-            [0, 1].map(|j: usize| {
+            Joint::ALL.map(|j: Joint| {
                 let at_home = sensors[j].counts(encoders[j].measured(sensors[j].home), 0);
                 Index::new(at_home, settings.axes[j].index_counts)
             })
@@ -122,7 +122,7 @@ impl Plant {
         let mut plant = Self {
             stops,
             indices,
-            brakes: [0, 1].map(|joint| {
+            brakes: Joint::ALL.map(|joint| {
                 Brake::new(
                     parameters.brake_torque[joint],
                     parameters.brake_times[joint],
@@ -131,7 +131,7 @@ impl Plant {
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
             drives: Drives::new(parameters, mismatch, &model, &state),
             encoders,
-            delay: Delay::new([0, 1].map(latency)),
+            delay: Delay::new(Joint::ALL.map(latency)),
             state,
             model,
             wear: None,
@@ -182,7 +182,7 @@ impl Plant {
     /// Wires the arm like this; an encoder counts wrongly from its present angle on.
     pub fn rewire(&mut self, wiring: &Wiring) {
         let wrong = *wiring != Wiring::default();
-        self.wiring = wrong.then(|| (*wiring, [0, 1].map(|joint| self.counts(joint))));
+        self.wiring = wrong.then(|| (*wiring, Joint::ALL.map(|joint| self.counts(joint))));
     }
 
     /// Presses these switches, and no others.
@@ -209,19 +209,20 @@ impl Plant {
 
     /// Samples all sensors at once.
     pub fn sense(&mut self) -> SensorSample {
-        let counts = [0, 1].map(|j| self.faults.frozen_counts[j].unwrap_or_else(|| self.counts(j)));
-        let home = [0, 1].map(|j| {
+        let counts =
+            Joint::ALL.map(|j| self.faults.frozen_counts[j].unwrap_or_else(|| self.counts(j)));
+        let home = Joint::ALL.map(|j| {
             let followed = || self.sensors[j].at_home(self.angle(j));
             self.faults.stuck_switch[j].unwrap_or_else(|| self.hands.home[j] || followed())
         });
-        let index = [0, 1].map(|j| {
+        let index = Joint::ALL.map(|j| {
             let turned = counts[j].wrapping_sub(self.count_origin[j]);
             self.indices.is_some_and(|both| both[j].is_shown(turned))
         });
         let current = self.state.current;
         let sample = SensorSample {
             counts,
-            current: [0, 1].map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
+            current: Joint::ALL.map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
             bus_voltage: sensors::adc_code(self.bus_voltage() / self.volts_per_code),
             home,
             index,
@@ -232,7 +233,7 @@ impl Plant {
         let sample = match &self.wiring {
             None => sample,
             Some((wiring, origin)) => {
-                let zero = [0, 1].map(|j| self.sensors[j].current_zero_code);
+                let zero = Joint::ALL.map(|j| self.sensors[j].current_zero_code);
                 wiring.seen(sample, *origin, zero)
             }
         };
@@ -261,12 +262,12 @@ impl Plant {
             Some((wiring, _)) => wiring.driven(command),
         };
         let applied = std::mem::replace(&mut self.active, command);
-        let duty = [0, 1].map(|j| self.duty(&applied, j));
+        let duty = Joint::ALL.map(|j| self.duty(&applied, j));
         let bus = self.contactor.behind(self.bus_voltage);
         self.contactor.pass(self.is_stopped(), period);
         let loads = Loads {
             voltage: duty.map(|duty| duty.map(|duty| duty * bus)),
-            joint_torque: [0, 1].map(|j| self.brake(j, applied.brake, period) + self.stop(j)),
+            joint_torque: Joint::ALL.map(|j| self.brake(j, applied.brake, period) + self.stop(j)),
             tool_force: self.tool_force + self.catching_force(),
         };
         self.time += period;
@@ -306,7 +307,7 @@ impl Plant {
     /// Records the encoders' shafts for encoders with latency.
     fn record_angles(&mut self) {
         if self.delay.is_some() {
-            let [(angle1, speed1), (angle4, speed4)] = [0, 1].map(|j| self.shaft(j));
+            let [(angle1, speed1), (angle4, speed4)] = Joint::ALL.map(|j| self.shaft(j));
             if let Some(delay) = &mut self.delay {
                 delay.record(self.time, [angle1, angle4], [speed1, speed4]);
             }
@@ -314,7 +315,7 @@ impl Plant {
     }
 
     /// The duty of a bridge as its compare register holds it; none if it is off.
-    fn duty(&self, command: &ActuatorCommand, joint: usize) -> Option<f64> {
+    fn duty(&self, command: &ActuatorCommand, joint: Joint) -> Option<f64> {
         let off =
             self.faults.disconnected[joint] || self.faults.driver_fault[joint] || self.is_stopped();
         if off || !command.enable[joint] {
@@ -328,7 +329,7 @@ impl Plant {
     }
 
     /// Engages or releases a brake; returns its torque while it slows its joint down [N·m].
-    fn brake(&mut self, joint: usize, engage: bool, period: f64) -> f64 {
+    fn brake(&mut self, joint: Joint, engage: bool, period: f64) -> f64 {
         let omega = self.state.v[DRIVEN[joint]].angular;
         let engage = engage || self.faults.brake_stuck[joint];
         let brake = &mut self.brakes[joint];
@@ -342,14 +343,14 @@ impl Plant {
     }
 
     /// The torque of a joint's hard stop [N·m].
-    fn stop(&self, joint: usize) -> f64 {
+    fn stop(&self, joint: Joint) -> f64 {
         let speed = self.state.v[DRIVEN[joint]].angular;
         let stop = self.stops.map(|stops| stops[joint]);
         stop.map_or(0.0, |stop| stop.torque(self.angle(joint), speed))
     }
 
     /// Holds a joint, or releases it unless it is also jammed.
-    fn hold(&mut self, joint: usize, hold: bool) {
+    fn hold(&mut self, joint: Joint, hold: bool) {
         let link = DRIVEN[joint];
         if hold {
             self.model.chain.bodies[link].inertia = HELD;
@@ -377,7 +378,7 @@ impl Plant {
 fn count_origin(method: HomingMethod, sensors: &[JointSensors; 2], noise: &mut Noise) -> [i32; 2] {
     let start = [noise.integer(), noise.integer()];
     match method {
-        HomingMethod::Absolute => [0, 1].map(|j| sensors[j].absolute_origin(start[j] % 3)),
+        HomingMethod::Absolute => Joint::ALL.map(|j| sensors[j].absolute_origin(start[j] % 3)),
         HomingMethod::Switch
         | HomingMethod::HardStop
         | HomingMethod::Given

@@ -3,6 +3,7 @@
 use crate::sensors::adc_code;
 use fivebar_design::Noise;
 use fivebar_firmware::SensorSample;
+use fivebar_kinematics::five_bar::Joint;
 use std::collections::VecDeque;
 
 /// The defects of all sensors.
@@ -104,7 +105,7 @@ impl SensorDefects {
     /// What the controller gets of a sample.
     pub(crate) fn seen(&mut self, sample: SensorSample, noise: &mut Noise) -> SensorSample {
         let mut seen = sample;
-        for j in 0..2 {
+        for j in Joint::ALL {
             if let Some(defect) = &mut self.encoders[j] {
                 seen.counts[j] = defect.shown(sample.counts[j], noise);
             }

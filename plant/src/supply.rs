@@ -9,6 +9,8 @@
 //! supply is a battery, or has a brake resistor that is equal to its own resistance. There is no
 //! capacitor; one of C would follow this voltage with the time constant R C.
 
+use fivebar_kinematics::five_bar::Joint;
+
 /// The supply and its leads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Supply {
@@ -20,8 +22,9 @@ impl Supply {
     /// i [A]; a bridge that is off takes nothing.
     #[inline]
     pub(crate) fn current(duty: [Option<f64>; 2], current: [f64; 2]) -> f64 {
-        let taken = |j: usize| duty[j].map_or(0.0, |duty| duty * current[j]);
-        taken(0) + taken(1)
+        let taken = |j: Joint| duty[j].map_or(0.0, |duty| duty * current[j]);
+        let [taken1, taken4] = Joint::ALL.map(taken);
+        taken1 + taken4
     }
 
     /// V₀ − V [V].

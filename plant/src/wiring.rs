@@ -5,6 +5,7 @@
 //! with exchanged leads turns against its voltage, and its bridge measures its current negated.
 
 use fivebar_firmware::{ActuatorCommand, SensorSample};
+use fivebar_kinematics::five_bar::Joint;
 use serde::{Deserialize, Serialize};
 
 /// Wiring mistakes; pairs are of joint 1 and joint 4. The default is none.
@@ -46,14 +47,14 @@ impl Wiring {
         let duty = exchange(command.duty, self.motors_swapped);
         let enable = exchange(command.enable, self.motors_swapped);
         ActuatorCommand {
-            duty: [0, 1].map(|j| {
+            duty: Joint::ALL.map(|j| {
                 if self.motor_reversed[j] {
                     -duty[j]
                 } else {
                     duty[j]
                 }
             }),
-            enable: [0, 1].map(|j| enable[j] && !self.motor_dead[j]),
+            enable: Joint::ALL.map(|j| enable[j] && !self.motor_dead[j]),
             ..*command
         }
     }
@@ -66,7 +67,7 @@ impl Wiring {
         origin: [i32; 2],
         zero: [f64; 2],
     ) -> SensorSample {
-        let counts = [0, 1].map(|j| {
+        let counts = Joint::ALL.map(|j| {
             let turned = f64::from(sample.counts[j].wrapping_sub(origin[j]));
             let share = 1.0 + self.counts[j];
             let signed = if self.encoder_reversed[j] {
@@ -79,17 +80,18 @@ impl Wiring {
         });
         // The codes of the motors, then of the bridges.
         let mirrored = |code: u16, zero: f64| (2.0 * zero - f64::from(code)).clamp(0.0, 4095.0);
-        let motors = [0, 1].map(|j| match self.motor_reversed[j] {
+        let motors = Joint::ALL.map(|j| match self.motor_reversed[j] {
             true => mirrored(sample.current[j], zero[j]) as u16,
             false => sample.current[j],
         });
         let bridges = exchange(motors, self.motors_swapped);
-        let current = [0, 1].map(|j| match (self.current_dead[j], self.current_reversed[j]) {
+        let current = Joint::ALL.map(|j| match (self.current_dead[j], self.current_reversed[j]) {
             (true, _) => zero[j] as u16,
             (false, true) => mirrored(bridges[j], zero[j]) as u16,
             (false, false) => bridges[j],
         });
-        let index = [0, 1].map(|j| self.index_dead[j] || sample.index[j] && !self.encoder_dead[j]);
+        let index =
+            Joint::ALL.map(|j| self.index_dead[j] || sample.index[j] && !self.encoder_dead[j]);
         SensorSample {
             counts: exchange(counts, self.encoders_swapped),
             index: exchange(index, self.encoders_swapped),

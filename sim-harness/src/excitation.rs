@@ -7,7 +7,7 @@
 use fivebar_design::identification::{Excitation, Regressor, base_parameters, standard_parameters};
 use fivebar_files::robot::{Actuator, MissingMasses, Robot};
 use fivebar_firmware::io::ActuatorCommand;
-use fivebar_kinematics::five_bar::{Geometry, PoseError, Side};
+use fivebar_kinematics::five_bar::{Geometry, Joint, PoseError, Side};
 use fivebar_plant::{Mismatch, MismatchError, Plant};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -92,23 +92,23 @@ pub fn excite(
     for tick in 0..=ticks {
         let sample = plant.sense();
         let first = *origin.get_or_insert(sample.counts);
-        let angle = [0, 1].map(|joint: usize| {
+        let angle = Joint::ALL.map(|joint| {
             let counts = sample.counts[joint].wrapping_sub(first[joint]);
             let per_turn = f64::from(drives[joint].encoder_counts) * drives[joint].gear_ratio;
             middle[joint] + f64::from(counts) * TAU / per_turn
         });
-        let current = [0, 1].map(|joint: usize| {
+        let current = Joint::ALL.map(|joint| {
             let sign = drives[joint].gear_ratio.signum();
             sign * (f64::from(sample.current[joint]) - zero[joint]) * per_code[joint]
         });
-        for joint in 0..2 {
+        for joint in Joint::ALL {
             let measured = (angle[joint] - last_angle[joint]) / period;
             speed[joint] += SPEED_BANDWIDTH * period * (measured - speed[joint]);
         }
         if tick > lead_in {
             let time = f64::from(tick - lead_in) * period;
             // The mean of both ends of the tick: the current that acted within it.
-            let acted = [0, 1].map(|joint: usize| 0.5 * (current[joint] + last_current[joint]));
+            let acted = Joint::ALL.map(|joint| 0.5 * (current[joint] + last_current[joint]));
             rows.push([time, angle[0], angle[1], acted[0], acted[1]]);
         }
         (last_angle, last_current) = (angle, current);
@@ -147,7 +147,7 @@ fn led_in(excitation: &Excitation, time: f64, full: f64) -> [[f64; 2]; 3] {
     let bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (full * full);
     let [q, omega, alpha] = excitation.at(time);
     let middle = [excitation.coefficients[0], excitation.coefficients[11]];
-    let of = |derivative: usize, joint: usize| {
+    let of = |derivative: usize, joint: Joint| {
         let (q, omega, alpha) = (q[joint] - middle[joint], omega[joint], alpha[joint]);
         match derivative {
             0 => middle[joint] + size * q,
@@ -155,7 +155,7 @@ fn led_in(excitation: &Excitation, time: f64, full: f64) -> [[f64; 2]; 3] {
             _ => size * alpha + 2.0 * rate * omega + bend * q,
         }
     };
-    [0, 1, 2].map(|derivative| [of(derivative, 0), of(derivative, 1)])
+    [0, 1, 2].map(|derivative| Joint::ALL.map(|joint| of(derivative, joint)))
 }
 
 /// The voltages at the motors [V].
@@ -166,13 +166,13 @@ fn voltages(
     angle: [f64; 2],
     speed: [f64; 2],
 ) -> Result<[f64; 2], PoseError> {
-    let demanded = [0, 1].map(|joint: usize| {
+    let demanded = Joint::ALL.map(|joint| {
         alpha[joint]
             + DAMPING * (omega[joint] - speed[joint])
             + STIFFNESS * (q[joint] - angle[joint])
     });
     let torque = drawing.torque([q, omega, demanded])?;
-    Ok([0, 1].map(|joint: usize| {
+    Ok(Joint::ALL.map(|joint| {
         let drive = &drives[joint];
         let friction = drive.viscous_friction * omega[joint]
             + drive.coulomb_friction * (omega[joint] / 0.02).tanh();

@@ -1,36 +1,9 @@
 //! The angles that the driven joints may have.
 
+use super::Joint;
 use crate::Scalar;
 use core::f64::consts::PI;
 use core::fmt;
-
-/// One of the driven joints.
-///
-/// ```
-/// use fivebar_kinematics::five_bar::{Joint, JointLimits};
-///
-/// // Joint 4 has no range of angles: its least limit exceeds its greatest.
-/// let error = JointLimits::new([-0.5, 2.6], [2.0, 1.0]).unwrap_err();
-/// assert_eq!(error.joint(), Joint::Joint4);
-/// assert_eq!(error.joint().to_string(), "joint 4");
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Joint {
-    /// At A, turning link 1.
-    Joint1,
-    /// At E, turning link 4.
-    Joint4,
-}
-
-impl fmt::Display for Joint {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Joint1 => "joint 1",
-            Self::Joint4 => "joint 4",
-        })
-    }
-}
 
 /// Why angles are refused, and of which joint.
 ///

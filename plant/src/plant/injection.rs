@@ -5,6 +5,7 @@ use crate::active_faults::{BridgeDefect, Slip};
 use crate::fault::{FaultKind, PlantFault};
 use crate::sensor_defects::{BusDefect, CurrentDefect, EncoderDefect, Late};
 use crate::sensors::adc_code;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
 /// Stiffness [N/m] and damping [N·s/m] of what catches the tool.
@@ -131,7 +132,7 @@ impl Plant {
     }
 
     /// The code of a current [A], without noise.
-    fn current_code(&self, joint: usize, amperes: f64) -> u16 {
+    fn current_code(&self, joint: Joint, amperes: f64) -> u16 {
         let sensor = &self.sensors[joint];
         adc_code(amperes / sensor.current_per_code + sensor.current_zero_code)
     }

@@ -6,6 +6,7 @@ use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Model, State};
 use crate::encoder::EncoderSide;
 use crate::worn_joints::WornJoints;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
 impl Plant {
@@ -21,8 +22,8 @@ impl Plant {
     pub fn time(&self) -> f64 {
         self.time
     }
-    /// True angle of a driven joint, 0 or 1 [rad].
-    pub fn angle(&self, joint: usize) -> f64 {
+    /// True angle of a driven joint [rad].
+    pub fn angle(&self, joint: Joint) -> f64 {
         self.state.q[DRIVEN[joint]].angular
     }
     /// True position of the tool [m].
@@ -37,9 +38,9 @@ impl Plant {
             Some(drives) => bus - drives.voltage_drop(&self.state),
         }
     }
-    /// The angle of a drive's rotor, 0 or 1, over the gear ratio [rad]; of a rigid drive, its
+    /// The angle of a drive's rotor, over the gear ratio [rad]; of a rigid drive, its
     /// joint's.
-    pub fn rotor_angle(&self, joint: usize) -> f64 {
+    pub fn rotor_angle(&self, joint: Joint) -> f64 {
         let behind = self.drives.as_ref().and_then(|drives| drives.rotor(joint));
         behind.map_or_else(|| self.angle(joint), |(angle, _)| angle)
     }
@@ -65,7 +66,7 @@ impl Plant {
         self.wear.as_mut()
     }
     /// The angle [rad] and speed [rad/s] of an encoder's shaft, over the gear ratio.
-    pub(super) fn shaft(&self, joint: usize) -> (f64, f64) {
+    pub(super) fn shaft(&self, joint: Joint) -> (f64, f64) {
         let behind = match (self.encoders[joint].side, &self.drives) {
             (EncoderSide::Motor, Some(drives)) => drives.rotor(joint),
             _ => None,
@@ -77,7 +78,7 @@ impl Plant {
     }
 
     /// The encoder's counts.
-    pub(super) fn counts(&self, joint: usize) -> i32 {
+    pub(super) fn counts(&self, joint: Joint) -> i32 {
         let delay = self.delay.as_ref();
         let delayed = delay.and_then(|delay| delay.angle(joint, self.time));
         let angle = delayed.unwrap_or_else(|| self.shaft(joint).0);

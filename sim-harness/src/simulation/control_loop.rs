@@ -5,6 +5,7 @@ use crate::link::{Target, TargetError};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, Status};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::PlantFault;
 use fivebar_plant::{Plant, WornJoints};
 
@@ -200,7 +201,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         };
         let sample = Sample {
             tool: self.plant.tool().into(),
-            angle: [0, 1].map(|j| self.plant.angle(j)),
+            angle: Joint::ALL.map(|j| self.plant.angle(j)),
             torque,
             current: state.current,
             ..reported

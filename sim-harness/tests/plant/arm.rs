@@ -3,6 +3,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault};
 use fivebar_plant::{Loads, Model, Plant, State};
 use nalgebra::{Matrix, Vector2};
@@ -205,14 +206,16 @@ fn a_command_takes_effect_one_tick_later() {
 #[test]
 fn a_stalled_motor_settles_at_its_resistive_current() {
     let mut plant = plant(1);
-    plant.inject(FaultKind::MotorStalled { joint: 0 });
-    let angle = plant.angle(0);
+    plant.inject(FaultKind::MotorStalled {
+        joint: Joint::Joint1,
+    });
+    let angle = plant.angle(Joint::Joint1);
     for _ in 0..100 {
         plant.step(&driven_by([0.25, 0.0]), TICK);
     }
     // 24 V · ¼ / 2.3 Ω.
     assert!((plant.state().current[0] - 6.0 / 2.3).abs() < 1e-3);
-    assert!((plant.angle(0) - angle).abs() < 1e-9);
+    assert!((plant.angle(Joint::Joint1) - angle).abs() < 1e-9);
 }
 
 #[test]
@@ -220,12 +223,12 @@ fn encoder_counts_follow_the_joint_exactly() {
     let axis = benchtop().settings().unwrap().axes[0];
     let counts_per_turn = f64::from(axis.encoder_counts) * f64::from(axis.gear_ratio);
     let mut plant = plant(3);
-    let (first, angle) = (plant.sense().counts[0], plant.angle(0));
+    let (first, angle) = (plant.sense().counts[0], plant.angle(Joint::Joint1));
     for _ in 0..500 {
         plant.step(&driven_by([-0.1, 0.0]), TICK);
     }
     let counted = plant.sense().counts[0].wrapping_sub(first);
-    let turned = (plant.angle(0) - angle) / std::f64::consts::TAU * counts_per_turn;
+    let turned = (plant.angle(Joint::Joint1) - angle) / std::f64::consts::TAU * counts_per_turn;
     assert!(turned < -1000.0);
     assert!(
         (f64::from(counted) - turned).abs() <= 1.0,
@@ -265,17 +268,19 @@ fn injected_faults_occur_at_their_time() {
     let at = |kind| PlantFault { at: 0.01, kind };
     let mut plant = plant(5);
     plant.schedule_faults(&[
-        at(FaultKind::EncoderDead { joint: 0 }),
+        at(FaultKind::EncoderDead {
+            joint: Joint::Joint1,
+        }),
         at(FaultKind::EncoderJump {
-            joint: 1,
+            joint: Joint::Joint4,
             counts: 5000,
         }),
         at(FaultKind::SwitchStuck {
-            joint: 0,
+            joint: Joint::Joint1,
             pressed: true,
         }),
         at(FaultKind::CurrentOffset {
-            joint: 1,
+            joint: Joint::Joint4,
             amperes: 0.5,
         }),
         at(FaultKind::BusVoltage { volts: 12.0 }),
@@ -289,11 +294,11 @@ fn injected_faults_occur_at_their_time() {
     };
     let before = run(&mut plant, 99);
     assert_eq!((before.home, before.emergency_stop), ([false; 2], false));
-    let angle = plant.angle(0);
+    let angle = plant.angle(Joint::Joint1);
     let after = run(&mut plant, 3);
     let later = run(&mut plant, 50);
     assert_eq!(after.counts[0], later.counts[0]);
-    assert_ne!(plant.angle(0), angle);
+    assert_ne!(plant.angle(Joint::Joint1), angle);
     assert!(after.counts[1].wrapping_sub(before.counts[1]) > 4900);
     assert!(after.home[0] && after.emergency_stop);
     assert!((f64::from(after.bus_voltage) / f64::from(before.bus_voltage) - 0.5).abs() < 0.01);
@@ -356,7 +361,7 @@ fn a_coupling_that_slips_turns_the_joint_less_than_the_motor() {
     );
     let before = plant.sense().counts[0];
     plant.inject(FaultKind::CouplingSlips {
-        joint: 0,
+        joint: Joint::Joint1,
         share: 0.1,
     });
     assert_eq!(plant.sense().counts[0], before, "it has not turned yet");

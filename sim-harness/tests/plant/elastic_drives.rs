@@ -2,7 +2,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::{FaultKind, Mismatch, Parameters, Plant};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::TAU;
@@ -69,7 +69,9 @@ fn a_rotor_on_a_held_joint_oscillates_at_the_root_of_k_over_j_with_its_damping_r
             ..Mismatch::NONE
         };
         let mut plant = Plant::new(&parameters, &mismatch, &pose, 1);
-        plant.inject(FaultKind::MotorStalled { joint: 0 });
+        plant.inject(FaultKind::MotorStalled {
+            joint: Joint::Joint1,
+        });
         let pulse = ActuatorCommand {
             duty: [0.2, 0.0],
             enable: [true, false],
@@ -82,7 +84,7 @@ fn a_rotor_on_a_held_joint_oscillates_at_the_root_of_k_over_j_with_its_damping_r
         let mut twist = Vec::new();
         for _ in 0..4000 {
             plant.step(&OFF, TICK);
-            twist.push(plant.rotor_angle(0) - plant.angle(0));
+            twist.push(plant.rotor_angle(Joint::Joint1) - plant.angle(Joint::Joint1));
         }
         let (frequency, found) = oscillation(&twist);
         let natural = (stiffness / ROTOR).sqrt() / TAU;
@@ -127,9 +129,8 @@ fn the_free_arm_oscillates_at_the_eigenfrequencies_of_both_inertias() {
     let mut twists = Vec::new();
     for _ in 0..4000 {
         plant.step(&OFF, TICK);
-        twists.push(Vector2::from_fn(|j, _| {
-            plant.rotor_angle(j) - plant.angle(j)
-        }));
+        let twist = Joint::ALL.map(|joint| plant.rotor_angle(joint) - plant.angle(joint));
+        twists.push(Vector2::from(twist));
     }
     let frequencies = [0, 1].map(|mode| {
         let along: Vec<f64> = twists
@@ -168,7 +169,9 @@ fn against_a_held_joint_the_rotor_turns_by_the_gap_and_the_deflection() {
             ..Mismatch::NONE
         };
         let mut plant = Plant::new(&parameters, &mismatch, &pose, 1);
-        plant.inject(FaultKind::MotorStalled { joint: 1 });
+        plant.inject(FaultKind::MotorStalled {
+            joint: Joint::Joint4,
+        });
         for sign in [1.0_f32, -1.0, 1.0] {
             let push = ActuatorCommand {
                 duty: [0.0, 0.1 * sign],
@@ -178,7 +181,7 @@ fn against_a_held_joint_the_rotor_turns_by_the_gap_and_the_deflection() {
             for _ in 0..3000 {
                 plant.step(&push, 1e-4);
             }
-            let twist = plant.rotor_angle(1) - plant.angle(1);
+            let twist = plant.rotor_angle(Joint::Joint4) - plant.angle(Joint::Joint4);
             let torque = 8.0 * 0.0234 * 2.4 / 2.3;
             let expected = f64::from(sign) * (0.5 * gap + torque / stiffness);
             assert!(
@@ -214,7 +217,7 @@ fn a_slow_joint_follows_its_rotor_with_half_the_gap_less() {
             ..OFF
         };
         plant.step(&push, 1e-4);
-        let angles = [plant.rotor_angle(0), plant.angle(0)];
+        let angles = [plant.rotor_angle(Joint::Joint1), plant.angle(Joint::Joint1)];
         if time > 2.0 {
             for ([least, most], angle) in ranges.iter_mut().zip(angles) {
                 *least = least.min(angle);

@@ -2,7 +2,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::{FaultKind, Mismatch, PERIODS_PER_TURN, Parameters, Plant};
 use std::f64::consts::{PI, TAU};
 
@@ -80,7 +80,7 @@ fn cogging_holds_the_arm_in_its_positions_of_rest_with_its_frequency() {
             let along = |angles: [f64; 2]| {
                 column[0] * (angles[0] - rest[0]) + column[1] * (angles[1] - rest[1])
             };
-            let found = along([plant.angle(0), plant.angle(1)]);
+            let found = along([plant.angle(Joint::Joint1), plant.angle(Joint::Joint4)]);
             let expected = along(start) * (omega * time).cos();
             assert!(
                 (found - expected).abs() < 1e-8,
@@ -106,16 +106,18 @@ fn torque_ripple_and_cogging_follow_the_angle_of_the_rotor() {
     for place in 0..12 {
         let angles = [2.3, 0.7 + f64::from(place) * TAU / PERIODS / 12.0];
         let mut plant = plant_at(&parameters, &mismatch, angles);
-        plant.inject(FaultKind::MotorStalled { joint: 1 });
+        plant.inject(FaultKind::MotorStalled {
+            joint: Joint::Joint4,
+        });
         let duty = if place % 2 == 0 { 0.1 } else { -0.05 };
         for _ in 0..5000 {
             plant.step(&driven_by([0.0, duty], [false, true]), 1e-4);
         }
-        let rotor = plant.rotor_angle(1);
+        let rotor = plant.rotor_angle(Joint::Joint4);
         let current = f64::from(duty) * BUS / RESISTANCE;
         let sine = (PERIODS * rotor).sin();
         let expected = CONSTANT * (1.0 + ripple * sine) * current + cogging * sine;
-        let found = stiffness * (rotor - plant.angle(1));
+        let found = stiffness * (rotor - plant.angle(Joint::Joint4));
         assert!(
             (found - expected).abs() < 1e-7,
             "{found}, not {expected} N·m"
@@ -138,8 +140,12 @@ fn the_bus_sags_by_the_resistance_of_the_supply() {
     };
     for (duty, enable) in [([0.4, -0.3], [true; 2]), ([0.45, 0.7], [true, false])] {
         let mut plant = plant_at(&parameters, &mismatch, [2.3, 0.7]);
-        plant.inject(FaultKind::MotorStalled { joint: 0 });
-        plant.inject(FaultKind::MotorStalled { joint: 1 });
+        plant.inject(FaultKind::MotorStalled {
+            joint: Joint::Joint1,
+        });
+        plant.inject(FaultKind::MotorStalled {
+            joint: Joint::Joint4,
+        });
         for _ in 0..200 {
             plant.step(&driven_by(duty, enable), 1e-4);
         }

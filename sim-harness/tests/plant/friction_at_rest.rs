@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{Mismatch, Plant};
 use std::f64::consts::TAU;
 
@@ -37,12 +38,12 @@ fn push(plant: &mut Plant, torque: f64) {
 fn below_breakaway_the_joint_deflects_and_does_not_creep() {
     let run = |stiction| {
         let mut plant = plant(stiction);
-        let start = plant.angle(0);
+        let start = plant.angle(Joint::Joint1);
         let mut angles = Vec::new();
         for tick in 0..20_000 {
             // Pushed on at once, it would overshoot.
             push(&mut plant, -5e-3 * f64::from(tick.min(5000)) / 5000.0);
-            angles.push(plant.angle(0) - start);
+            angles.push(plant.angle(Joint::Joint1) - start);
         }
         (angles[11_999], angles[19_999])
     };
@@ -72,7 +73,7 @@ fn a_torque_that_swings_below_breakaway_moves_the_joint_no_further() {
         let phase = TAU * f64::from(tick) / 4000.0;
         push(&mut plant, -2.5e-3 + 2.5e-3 * phase.cos());
         if tick % 4000 == 0 {
-            after.push(plant.angle(0));
+            after.push(plant.angle(Joint::Joint1));
         }
     }
     let (first, last) = (after[1], after.last().unwrap());

@@ -4,6 +4,7 @@ use fivebar_files::robot::Robot;
 use fivebar_firmware::Status;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Mismatch, Plant};
 use fivebar_sim::link::{InProcess, Target};
 
@@ -124,7 +125,7 @@ fn brakes_that_engage_later_than_they_should_are_waited_for_or_found() {
     // Some milliseconds later they hold before the torque is gone; much later they are found.
     for (seconds, fault) in [(0.02, None), (0.2, Some(Fault::BrakeFailed))] {
         let mut run = Run::armed();
-        for joint in 0..2 {
+        for joint in Joint::ALL {
             run.plant.inject(FaultKind::BrakeLate { joint, seconds });
         }
         run.request(Request::Disarm);
@@ -138,9 +139,13 @@ fn brakes_that_engage_later_than_they_should_are_waited_for_or_found() {
 fn an_arm_whose_brakes_fail_is_held_by_its_motors() {
     for both in [false, true] {
         let mut run = Run::armed();
-        run.plant.inject(FaultKind::BrakeFails { joint: 0 });
+        run.plant.inject(FaultKind::BrakeFails {
+            joint: Joint::Joint1,
+        });
         if both {
-            run.plant.inject(FaultKind::BrakeFails { joint: 1 });
+            run.plant.inject(FaultKind::BrakeFails {
+                joint: Joint::Joint4,
+            });
         }
         run.request(Request::Disarm);
         let status = run.ticks(20_000);

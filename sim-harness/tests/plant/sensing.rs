@@ -3,6 +3,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{EncoderSide, Harmonic, Harmonics, Mismatch, Parameters, Plant};
 use std::f64::consts::TAU;
 
@@ -70,7 +71,7 @@ fn the_measured_angle_of_the_encoders_shaft_has_the_known_and_the_unknown_harmon
             plant.step(&driven_by([duty, 0.0]), TICK);
             ideal.step(&driven_by([duty, 0.0]), TICK);
             assert_eq!(plant.state(), ideal.state());
-            let shaft = ratio * plant.angle(0);
+            let shaft = ratio * plant.angle(Joint::Joint1);
             let error = 8e-3 * (shaft + 0.3).sin() - 3e-3 * (2.0 * shaft + 1.1).sin()
                 + 2e-3 * (4.0 * shaft - 0.7).sin();
             // Counts per turn of the joint, in turns of the encoder's shaft.
@@ -97,18 +98,19 @@ fn behind_a_spring_the_encoder_sees_its_own_side() {
         parameters.encoders[0].side = side;
         parameters.transmissions[0].stiffness = Some(100.0);
         let mut plant = plant_of(&parameters, &Mismatch::NONE);
-        let start = (plant.sense().counts[0], plant.angle(0));
+        let start = (plant.sense().counts[0], plant.angle(Joint::Joint1));
         let mut greatest = 0.0_f64;
         for _ in 0..300 {
             plant.step(&driven_by([-0.1, 0.0]), TICK);
             let seen = match side {
-                EncoderSide::Motor => plant.rotor_angle(0),
-                EncoderSide::Joint => plant.angle(0),
+                EncoderSide::Motor => plant.rotor_angle(Joint::Joint1),
+                EncoderSide::Joint => plant.angle(Joint::Joint1),
             };
             let counted = plant.sense().counts[0].wrapping_sub(start.0);
             let turned = (seen - start.1) / TAU * COUNTS * GEAR;
             assert!((f64::from(counted) - turned).abs() <= 1.0);
-            greatest = greatest.max((plant.rotor_angle(0) - plant.angle(0)).abs());
+            greatest =
+                greatest.max((plant.rotor_angle(Joint::Joint1) - plant.angle(Joint::Joint1)).abs());
         }
         // The twist is many counts of 48 µrad.
         assert!(greatest > 1e-3, "{greatest} rad");
@@ -126,15 +128,15 @@ fn a_latency_shifts_the_counts_in_time() {
     };
     let mut plant = plant_of(&parameters, &mismatch);
     let start = plant.sense().counts;
-    let (mut angles, mut fine) = (vec![plant.angle(0)], Vec::new());
+    let (mut angles, mut fine) = (vec![plant.angle(Joint::Joint1)], Vec::new());
     for tick in 0..400 {
         let duty = if tick / 60 % 2 == 0 { -0.4 } else { 0.35 };
         plant.step(&driven_by([duty, 0.05]), TICK);
-        angles.push(plant.angle(0));
+        angles.push(plant.angle(Joint::Joint1));
         let counts = plant.sense().counts;
         fine.push(f64::from(counts[0].wrapping_sub(start[0])));
         // The other encoder has none.
-        let turned = (plant.angle(1) - 20_f64.to_radians()) / TAU * COUNTS * GEAR;
+        let turned = (plant.angle(Joint::Joint4) - 20_f64.to_radians()) / TAU * COUNTS * GEAR;
         let counted = f64::from(counts[1].wrapping_sub(start[1]));
         assert!((counted - turned).abs() <= 1.1, "{counted}, not {turned}");
     }
@@ -167,15 +169,15 @@ fn the_home_switch_closes_at_the_joint_angle_with_its_error() {
     for _ in 0..2000 {
         plant.step(&driven_by([0.05, -0.05]), TICK);
         let sample = plant.sense();
-        for (j, closed) in closed.iter_mut().enumerate() {
+        for (j, closed) in Joint::ALL.into_iter().zip(&mut closed) {
             if sample.home[j] && closed.is_none() {
                 *closed = Some(plant.angle(j));
             }
         }
     }
-    for j in 0..2 {
-        let at = closed[j].unwrap() - robot.home[j];
-        assert!((at - error[j]).abs() < 1e-3, "joint {j}: {at}");
+    for joint in Joint::ALL {
+        let at = closed[joint].unwrap() - robot.home[joint];
+        assert!((at - error[joint]).abs() < 1e-3, "{joint}: {at}");
     }
 }
 
@@ -197,7 +199,11 @@ fn the_arm_is_built_with_the_changed_lengths() {
     let home = Robot::load("benchtop").unwrap().home_pose().unwrap();
     let pose = |geometry: &fivebar_kinematics::five_bar::Geometry<f64>| {
         geometry
-            .forward(plant.angle(0), plant.angle(1), home.assembly())
+            .forward(
+                plant.angle(Joint::Joint1),
+                plant.angle(Joint::Joint4),
+                home.assembly(),
+            )
             .unwrap()
             .c
     };

@@ -4,6 +4,7 @@ use fivebar_design::accuracy::arm::DrivenJointMotion;
 use fivebar_design::accuracy::clearance_equilibrium::clearance_equilibrium;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Mismatch;
 use fivebar_plant::contact::Contact;
 use fivebar_plant::{Loads, Model, Plant, State, WornJoints};
@@ -158,7 +159,7 @@ fn a_pushed_arm_rests_at_the_position_of_the_kineto_static_model() {
     let assembly = robot.home_pose().unwrap().assembly();
     for clearance in [1e-5, 5e-5] {
         let plant = pushed(&robot, [clearance; 5]);
-        let theta = [plant.angle(0), plant.angle(1)];
+        let theta = [plant.angle(Joint::Joint1), plant.angle(Joint::Joint4)];
         let inputs = DrivenJointMotion {
             theta,
             omega: [0.0; 2],

@@ -10,6 +10,7 @@ use fivebar_firmware::protocol::{
 };
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Request, Settings, Status};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Plant;
 use fivebar_plant::{FaultKind, Mismatch};
 use fivebar_sim::link::{Client, FaultInjector, FaultRates, Loopback};
@@ -132,7 +133,7 @@ impl<L: Read + Write> Bench<L> {
     /// The same on a line with these fault rates.
     pub(crate) fn moving_on(line: L, rates: FaultRates) -> Self {
         let mut bench = Self::with(line, rates, |_| ());
-        let angles = [0, 1].map(|joint| bench.plant.angle(joint) as f32);
+        let angles = Joint::ALL.map(|joint| bench.plant.angle(joint) as f32);
         bench.is_done(HostCommand::Request(Request::SetAngles(angles)));
         bench.is_done(HostCommand::Request(Request::Arm));
         let reply = bench.ask(bench.a_move());
@@ -266,7 +267,7 @@ impl<L: Read + Write> Bench<L> {
     /// The arm that is held under a fault stays held, bridges on, whatever is requested.
     #[track_caller]
     pub(crate) fn stays_held(&mut self) {
-        let angles = |plant: &Plant| [plant.angle(0), plant.angle(1)];
+        let angles = |plant: &Plant| [plant.angle(Joint::Joint1), plant.angle(Joint::Joint4)];
         let held = angles(&self.plant);
         for request in REQUESTS {
             for _ in 0..20 {

@@ -8,6 +8,7 @@ use fivebar_firmware::controller::{Excitation, Excited, RequestError};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{self, Response, State};
 use fivebar_firmware::{Controller, Move, MoveKind, Planner, Request};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Hands, Mismatch, Plant};
 
 /// Simulated time after the fault [s], and after a latched fault that switches off.
@@ -212,7 +213,7 @@ impl<'a> Host<'a> {
     }
 
     fn declare_angles(&mut self) -> Result<(), Over> {
-        let angles = [0, 1].map(|joint| self.plant.angle(joint) as f32);
+        let angles = Joint::ALL.map(|joint| self.plant.angle(joint) as f32);
         self.request(Request::SetAngles(angles))
     }
 

@@ -1,6 +1,7 @@
 //! The kinds of faults of the campaign: each with its random values, and why some are not found.
 
 use crate::arms::Arm;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::FaultKind;
 use oorandom::Rand64;
 
@@ -28,7 +29,7 @@ pub(crate) struct Kind {
 /// Random values for a fault.
 struct Draw<'a> {
     random: &'a mut Rand64,
-    joint: usize,
+    joint: Joint,
     arm: &'a Arm,
 }
 
@@ -66,7 +67,7 @@ impl Draw<'_> {
 impl Kind {
     /// A random fault of this kind.
     pub(crate) fn fault(&self, random: &mut Rand64, arm: &Arm) -> Fault {
-        let joint = random.rand_range(0..2) as usize;
+        let joint = Joint::ALL[random.rand_range(0..2) as usize];
         (self.make)(&mut Draw { random, joint, arm })
     }
 }

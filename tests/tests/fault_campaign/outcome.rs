@@ -2,6 +2,7 @@
 
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::safety::{self, Response};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Plant;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -91,7 +92,7 @@ impl Measure {
     pub(crate) fn new(plant: &Plant, continuous: [f64; 2], limit: [f64; 2], period: f64) -> Self {
         Self {
             outcome: Outcome::default(),
-            wanted: [0, 1].map(|joint| plant.angle(joint)),
+            wanted: Joint::ALL.map(|joint| plant.angle(joint)),
             continuous,
             limit,
             part: (WINDOW / PARTS as f64 / period).round() as u32,
@@ -126,7 +127,7 @@ impl Measure {
         }
         if outcome.found.is_none() || outcome.after == seen.time {
             outcome.speed = fastest;
-            for j in 0..2 {
+            for j in Joint::ALL {
                 let off = seen.plant.angle(j) - self.wanted[j];
                 // References are within a turn.
                 let off = off - (off / TAU).round() * TAU;

@@ -7,6 +7,7 @@ use fivebar_firmware::Request;
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::protocol::{CommandError, HostCommand};
 use fivebar_firmware::safety::{Response, State};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::FaultKind;
 use fivebar_sim::link::FaultRates;
 use std::io::{Read, Write};
@@ -63,7 +64,13 @@ fn powers_off<L: Read + Write>(line: L, test: &str, fault: FaultKind) -> Bench<L
 }
 
 pub(crate) fn a_dead_encoder(line: impl Read + Write) {
-    let mut bench = powers_off(line, "a_dead_encoder", FaultKind::EncoderDead { joint: 0 });
+    let mut bench = powers_off(
+        line,
+        "a_dead_encoder",
+        FaultKind::EncoderDead {
+            joint: Joint::Joint1,
+        },
+    );
     // The joint has turned unseen.
     let error = bench.is_refused(HostCommand::Request(Request::Arm));
     assert_eq!(error, CommandError::Request(RequestError::NotHomed));
@@ -71,7 +78,7 @@ pub(crate) fn a_dead_encoder(line: impl Read + Write) {
 
 pub(crate) fn a_jumping_encoder(line: impl Read + Write) {
     let jump = FaultKind::EncoderJump {
-        joint: 1,
+        joint: Joint::Joint4,
         counts: 400,
     };
     let mut bench = powers_off(line, "a_jumping_encoder", jump);
@@ -82,7 +89,7 @@ pub(crate) fn a_jumping_encoder(line: impl Read + Write) {
 
 pub(crate) fn a_switch_stuck_in_motion(line: impl Read + Write) {
     let switch = FaultKind::SwitchStuck {
-        joint: 1,
+        joint: Joint::Joint4,
         pressed: true,
     };
     let mut bench = powers_off(line, "a_switch_stuck_in_motion", switch);
@@ -95,23 +102,29 @@ pub(crate) fn a_stalled_motor(line: impl Read + Write) {
     powers_off(
         line,
         "a_stalled_motor",
-        FaultKind::MotorStalled { joint: 1 },
+        FaultKind::MotorStalled {
+            joint: Joint::Joint4,
+        },
     );
 }
 
 pub(crate) fn a_disconnected_motor(line: impl Read + Write) {
-    let lead = FaultKind::MotorDisconnected { joint: 0 };
+    let lead = FaultKind::MotorDisconnected {
+        joint: Joint::Joint1,
+    };
     powers_off(line, "a_disconnected_motor", lead);
 }
 
 pub(crate) fn a_dead_current_sensor(line: impl Read + Write) {
-    let dead = FaultKind::CurrentDead { joint: 1 };
+    let dead = FaultKind::CurrentDead {
+        joint: Joint::Joint4,
+    };
     powers_off(line, "a_dead_current_sensor", dead);
 }
 
 pub(crate) fn a_reversed_current_sensor(line: impl Read + Write) {
     let reversed = FaultKind::CurrentGain {
-        joint: 0,
+        joint: Joint::Joint1,
         gain: -1.0,
     };
     powers_off(line, "a_reversed_current_sensor", reversed);
@@ -121,7 +134,7 @@ pub(crate) fn a_reversed_current_sensor(line: impl Read + Write) {
 pub(crate) fn a_current_sensor_somewhat_off(line: impl Read + Write) {
     let mut bench = Bench::moving(line);
     bench.inject(FaultKind::CurrentOffset {
-        joint: 0,
+        joint: Joint::Joint1,
         amperes: 0.1,
     });
     for _ in 0..500 {
@@ -133,7 +146,7 @@ pub(crate) fn a_current_sensor_somewhat_off(line: impl Read + Write) {
 
 pub(crate) fn a_current_sensor_far_off(line: impl Read + Write) {
     let offset = FaultKind::CurrentOffset {
-        joint: 0,
+        joint: Joint::Joint1,
         amperes: 7.0,
     };
     powers_off(line, "a_current_sensor_far_off", offset);
@@ -153,12 +166,16 @@ pub(crate) fn a_pumped_up_bus(line: impl Read + Write) {
 }
 
 pub(crate) fn a_bridge_that_gives_up(line: impl Read + Write) {
-    let driver = FaultKind::DriverFault { joint: 1 };
+    let driver = FaultKind::DriverFault {
+        joint: Joint::Joint4,
+    };
     powers_off(line, "a_bridge_that_gives_up", driver);
 }
 
 pub(crate) fn a_fault_output_without_its_wire(line: impl Read + Write) {
-    let open = FaultKind::DriverFaultOpen { joint: 0 };
+    let open = FaultKind::DriverFaultOpen {
+        joint: Joint::Joint1,
+    };
     powers_off(line, "a_fault_output_without_its_wire", open);
 }
 
@@ -182,7 +199,10 @@ fn searches<L: Read + Write>(line: L, pressed: bool, stated: Stated) -> Bench<L>
         settings.homing.back_off = 0.02;
         settings.axes[0].angle_limits = [2.1, 2.3];
     });
-    bench.inject(FaultKind::SwitchStuck { joint: 0, pressed });
+    bench.inject(FaultKind::SwitchStuck {
+        joint: Joint::Joint1,
+        pressed,
+    });
     bench.is_done(HostCommand::Request(Request::Home));
     bench.powers_off(stated);
     bench

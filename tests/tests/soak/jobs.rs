@@ -5,6 +5,7 @@ use fivebar_files::robot::{BUILT_IN, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{Move, MoveKind, Planner};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault};
 use oorandom::Rand64;
 
@@ -58,7 +59,7 @@ fn mismatch(random: &mut Rand64) -> Mismatch {
 }
 
 fn fault(random: &mut Rand64) -> FaultKind {
-    let joint = random.rand_range(0..2) as usize;
+    let joint = Joint::ALL[random.rand_range(0..2) as usize];
     match random.rand_range(0..8) {
         0 => FaultKind::EncoderDead { joint },
         1 => FaultKind::EncoderJump {

@@ -3,6 +3,7 @@
 use crate::slow_line::SlowLine;
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Status};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{Mismatch, Plant};
 use fivebar_sim::drive::{Drive, Homing};
 use fivebar_sim::link::{Client, FaultInjector, FaultRates, Loopback};
@@ -44,11 +45,11 @@ fn controller(watch: Watch) -> Loopback {
     let pose = robot.pose_near_home(before).expect("a pose");
     let parameters = robot.plant_parameters().expect("it has masses");
     let mut plant = Plant::new(&parameters, &Mismatch::default(), &pose, 7);
-    let mut last = [0, 1].map(|joint| plant.angle(joint));
+    let mut last = Joint::ALL.map(|joint| plant.angle(joint));
     let period = 1.0 / robot.control.tick_rate;
     let step = move |command: &ActuatorCommand| {
         plant.step(command, period);
-        let now = [0, 1].map(|joint| plant.angle(joint));
+        let now = Joint::ALL.map(|joint| plant.angle(joint));
         let speed = (now[0] - last[0]).abs().max((now[1] - last[1]).abs()) / period;
         last = now;
         *watch.lock().expect("no panic") = (speed, command.enable[0]);

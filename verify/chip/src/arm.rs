@@ -9,7 +9,7 @@ use crate::peripherals::tim1::Output;
 use crate::time::{MICROSECOND, NEVER, SECOND, Time};
 use crate::wiring::{Edges, Outputs, Wiring};
 use fivebar_firmware::{ActuatorCommand, SensorSample};
-use fivebar_kinematics::five_bar::{Geometry, Side};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 use fivebar_plant::{FaultKind, Hands, Plant, State};
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
@@ -161,7 +161,7 @@ impl Arm {
     /// Turns the joints of an arm with these lengths by hand to these angles [rad], and holds them
     /// there.
     pub fn turn_by_hand(&mut self, to: [f64; 2], geometry: Geometry<f64>, assembly: Side) {
-        let from = [0, 1].map(|joint| self.plant.angle(joint));
+        let from = Joint::ALL.map(|joint| self.plant.angle(joint));
         self.hand = Some(Hold {
             from,
             by: [to[0] - from[0], to[1] - from[1]],

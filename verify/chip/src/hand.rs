@@ -2,6 +2,7 @@
 
 use crate::arm::Arm;
 use fivebar_files::robot::Robot;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Hands;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -33,10 +34,10 @@ impl Hand {
         let numbers = numbers.map_err(|error| format!("{line}: {error}"))?;
         match (name, &numbers[..]) {
             ("stop", [on]) => self.pressed.emergency_stop = *on != 0.0,
-            ("switch", [joint, on]) => self.pressed.home[index(*joint)] = *on != 0.0,
+            ("switch", [joint, on]) => self.pressed.home[numbered(*joint)] = *on != 0.0,
             ("turn", [joint, by]) => {
-                let mut to = [0, 1].map(|joint| arm.plant().angle(joint));
-                to[index(*joint)] += by;
+                let mut to = Joint::ALL.map(|joint| arm.plant().angle(joint));
+                to[numbered(*joint)] += by;
                 self.turn(arm, to)?;
             }
             ("tip", [x, y]) => {
@@ -45,8 +46,8 @@ impl Hand {
                     .geometry
                     .inverse(Vector2::new(*x, *y), self.robot.elbows);
                 let angles = pose.map_err(|error| format!("{line}: {error}"))?.angles();
-                let to = [0, 1].map(|joint: usize| {
-                    let (now, angle) = (arm.plant().angle(joint), angles[3 * joint]);
+                let to = Joint::ALL.map(|joint| {
+                    let (now, angle) = (arm.plant().angle(joint), angles[3 * joint.index()]);
                     angle + ((now - angle) / TAU).round() * TAU
                 });
                 self.turn(arm, to)?;
@@ -69,7 +70,11 @@ impl Hand {
     }
 }
 
-/// The index of joint 1 or 4.
-fn index(joint: f64) -> usize {
-    usize::from(joint > 1.0)
+/// Joint 1 or 4 by its number.
+fn numbered(number: f64) -> Joint {
+    if number > 1.0 {
+        Joint::Joint4
+    } else {
+        Joint::Joint1
+    }
 }

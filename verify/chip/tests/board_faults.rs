@@ -10,6 +10,7 @@ use fivebar_firmware::protocol::{
     ControllerMessage, HostCommand, HostMessage, Reply, Reset, Sequence, VERSION, encode,
 };
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_kinematics::five_bar::Joint;
 
 /// A tick.
 const TICK: u64 = 100 * MICROSECOND;
@@ -316,9 +317,9 @@ fn one_sample_of_a_home_switch_decides_nothing() {
         }
     }
     let status = driven.status();
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let error = f64::from(status.angle[joint]) - driven.arm.get().plant().angle(joint);
-        assert!(error.abs() < 2e-3, "joint {joint}: {error}");
+        assert!(error.abs() < 2e-3, "{joint}: {error}");
     }
 }
 

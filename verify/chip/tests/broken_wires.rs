@@ -9,6 +9,7 @@ use fivebar_chip::Pin;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::Request;
 use fivebar_firmware::safety::Fault;
+use fivebar_kinematics::five_bar::Joint;
 
 /// The fault that the document states for a broken wire.
 fn stated(test: &str) -> Fault {
@@ -79,7 +80,7 @@ fn a_current_sensor_without_its_wire() {
     let mut driven = Driven::new();
     breaks(&driven, Pin(2, 1));
     driven.run(500 * MILLISECOND);
-    let angles = [0, 1].map(|joint| driven.arm.get().plant().angle(joint) as f32);
+    let angles = Joint::ALL.map(|joint| driven.arm.get().plant().angle(joint) as f32);
     driven.request(Request::SetAngles(angles)).expect("angles");
     let _ = driven.request(Request::Arm);
     driven.run(5 * MILLISECOND);

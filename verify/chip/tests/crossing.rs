@@ -5,17 +5,17 @@
 mod bench;
 
 use bench::{Bench, Driven, arm_in};
-use fivebar_files::robot::Robot;
-use fivebar_files::scenario::Scenario;
-use fivebar_sim::drive::Drive;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_chip::{Options, SharedArm};
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{CrossingMove, FULL_TOOL, Move, MoveKind, Request, Settings};
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Joint, Side};
 use fivebar_plant::FaultKind;
+use fivebar_sim::drive::Drive;
 use nalgebra::Vector2;
 
 const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../host/files");
@@ -58,7 +58,7 @@ fn at_the_beginning(settings: &Settings) -> Driven {
 /// The assembly mode of the simulated arm, by its true cranks and tool.
 fn assembly(arm: &SharedArm) -> Side {
     let arm = arm.get();
-    let [theta1, theta4] = [0, 1].map(|joint| arm.plant().angle(joint));
+    let [theta1, theta4] = Joint::ALL.map(|joint| arm.plant().angle(joint));
     let is_in = |side: &Side| {
         let pose = robot().geometry.forward(theta1, theta4, *side);
         (pose.expect("a pose").c - arm.plant().tool()).norm() < 1e-6
@@ -187,7 +187,7 @@ fn an_arm_that_jams_in_the_singularity_loses_its_torque_and_its_angles() {
         driven.run(MILLISECOND);
     }
     assert_eq!(driven.status().state, State::Crossing);
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         driven.arm.get().inject(FaultKind::MotorStalled { joint });
     }
     // Twice the time that the plan takes in the zone.

@@ -12,6 +12,7 @@ use fivebar_firmware::controller::{Excitation, ExcitationEnd, Excited};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::recorder::{LogConfig, LogState, Signals};
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_kinematics::five_bar::Joint;
 
 /// 1 V on a motor, for a tenth of a second.
 const GENTLE: Excitation = Excitation {
@@ -32,7 +33,7 @@ fn ready() -> Driven {
 /// Runs an excitation to its end; what ended it, and how far both joints turned [rad].
 #[track_caller]
 fn excited(driven: &mut Driven, excitation: Excitation) -> (ExcitationEnd, [f64; 2]) {
-    let before = [0, 1].map(|joint| driven.arm.get().plant().angle(joint));
+    let before = Joint::ALL.map(|joint| driven.arm.get().plant().angle(joint));
     driven
         .request(Request::Excite(excitation))
         .expect("an excitation");
@@ -48,7 +49,8 @@ fn excited(driven: &mut Driven, excitation: Excitation) -> (ExcitationEnd, [f64;
             else {
                 panic!("no end");
             };
-            let turned = [0, 1].map(|joint| driven.arm.get().plant().angle(joint) - before[joint]);
+            let turned =
+                Joint::ALL.map(|joint| driven.arm.get().plant().angle(joint) - before[joint]);
             return (end, turned);
         }
     }

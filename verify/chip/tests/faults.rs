@@ -14,6 +14,7 @@ use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::protocol::Reset;
 use fivebar_firmware::safety::{Fault, Response, State};
 use fivebar_firmware::{Move, MoveKind, Request, Settings};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::FaultKind;
 
 #[track_caller]
@@ -31,14 +32,19 @@ fn powers_off(test: &str, fault: FaultKind) -> Driven {
 
 #[test]
 fn a_dead_encoder() {
-    let mut driven = powers_off("a_dead_encoder", FaultKind::EncoderDead { joint: 0 });
+    let mut driven = powers_off(
+        "a_dead_encoder",
+        FaultKind::EncoderDead {
+            joint: Joint::Joint1,
+        },
+    );
     stays_off_until_cleared(&mut driven, Fault::EncoderStuck);
 }
 
 #[test]
 fn a_jumping_encoder() {
     let fault = FaultKind::EncoderJump {
-        joint: 1,
+        joint: Joint::Joint4,
         counts: 400,
     };
     let mut driven = powers_off("a_jumping_encoder", fault);
@@ -47,7 +53,7 @@ fn a_jumping_encoder() {
 
 #[test]
 fn a_switch_stuck_in_motion() {
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let fault = FaultKind::SwitchStuck {
             joint,
             pressed: true,
@@ -59,20 +65,27 @@ fn a_switch_stuck_in_motion() {
 
 #[test]
 fn a_stalled_motor() {
-    let mut driven = powers_off("a_stalled_motor", FaultKind::MotorStalled { joint: 1 });
+    let mut driven = powers_off(
+        "a_stalled_motor",
+        FaultKind::MotorStalled {
+            joint: Joint::Joint4,
+        },
+    );
     stays_off_until_cleared(&mut driven, Fault::FollowingError);
 }
 
 #[test]
 fn a_disconnected_motor() {
-    let fault = FaultKind::MotorDisconnected { joint: 0 };
+    let fault = FaultKind::MotorDisconnected {
+        joint: Joint::Joint1,
+    };
     let mut driven = powers_off("a_disconnected_motor", fault);
     stays_off_until_cleared(&mut driven, Fault::CurrentSensor);
 }
 
 #[test]
 fn a_dead_current_sensor() {
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let fault = FaultKind::CurrentDead { joint };
         let mut driven = powers_off("a_dead_current_sensor", fault);
         stays_off_until_cleared(&mut driven, Fault::CurrentSensor);
@@ -81,7 +94,7 @@ fn a_dead_current_sensor() {
 
 #[test]
 fn a_current_sensor_far_off() {
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let fault = FaultKind::CurrentOffset {
             joint,
             amperes: 7.0,
@@ -105,7 +118,7 @@ fn a_pumped_up_bus() {
 
 #[test]
 fn a_bridge_that_gives_up() {
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let fault = FaultKind::DriverFault { joint };
         let mut driven = powers_off("a_bridge_that_gives_up", fault);
         stays_off_until_cleared(&mut driven, Fault::DriverFault);
@@ -212,15 +225,17 @@ fn a_joint_that_turns_too_fast() {
         settings.protection.over_speed = 36.75;
     });
     // The limit, 36.75 rad/s, is 77 counts in a tick.
-    driven
-        .arm
-        .get()
-        .inject(FaultKind::MotorDisconnected { joint: 0 });
+    driven.arm.get().inject(FaultKind::MotorDisconnected {
+        joint: Joint::Joint1,
+    });
     let mut counts = 0;
     while !driven.is_off() {
         counts += 1;
         assert!(counts < 95, "{counts}");
-        let fault = FaultKind::EncoderJump { joint: 0, counts };
+        let fault = FaultKind::EncoderJump {
+            joint: Joint::Joint1,
+            counts,
+        };
         driven.arm.get().inject(fault);
         driven.run(TICK);
     }
@@ -292,7 +307,7 @@ fn torques_that_overflow() {
         settings.gravity = [0.0, -3e38];
         settings.payload = 30.0;
     });
-    let angles = [0, 1].map(|joint| driven.arm.get().plant().angle(joint) as f32);
+    let angles = Joint::ALL.map(|joint| driven.arm.get().plant().angle(joint) as f32);
     driven.request(Request::SetAngles(angles)).expect("angles");
     driven.request(Request::Arm).expect("armed");
     driven.run(3 * MILLISECOND);
@@ -339,7 +354,10 @@ fn a_switch_stuck_closed() {
     let pressed = true;
     search(
         "a_switch_stuck_closed",
-        FaultKind::SwitchStuck { joint: 0, pressed },
+        FaultKind::SwitchStuck {
+            joint: Joint::Joint1,
+            pressed,
+        },
     );
 }
 
@@ -348,7 +366,10 @@ fn a_switch_stuck_open() {
     let pressed = false;
     search(
         "a_switch_stuck_open",
-        FaultKind::SwitchStuck { joint: 0, pressed },
+        FaultKind::SwitchStuck {
+            joint: Joint::Joint1,
+            pressed,
+        },
     );
 }
 

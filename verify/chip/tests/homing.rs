@@ -4,15 +4,16 @@
 mod bench;
 
 use bench::{Bench, Driven, arm_in};
-use fivebar_files::robot::{BuiltIn, Robot};
-use fivebar_sim::drive::Drive;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_chip::{Arm, Options, Pin, SharedArm};
+use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::protocol::CommandError;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Status};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Mismatch, Plant};
+use fivebar_sim::drive::Drive;
 
 /// The benchtop arm with other lines in its file, turned by so much from home [rad].
 fn bench(change: impl FnOnce(String) -> String, turned: [f64; 2]) -> (Robot, Driven) {
@@ -58,7 +59,8 @@ fn home(driven: &mut Driven) -> Status {
 /// Whether the arm is homed, and how far the angles are from the true ones at most [rad].
 fn found(driven: &Driven, status: &Status) -> (bool, f64) {
     let arm = driven.arm.get();
-    let off = [0, 1].map(|joint| (f64::from(status.angle[joint]) - arm.plant().angle(joint)).abs());
+    let off =
+        Joint::ALL.map(|joint| (f64::from(status.angle[joint]) - arm.plant().angle(joint)).abs());
     (status.homed, off[0].max(off[1]))
 }
 
@@ -84,7 +86,9 @@ fn a_joint_whose_motor_has_no_current_is_not_homed() {
     let (_, mut driven) = bench(with_stops, [-0.3, 0.3]);
     driven.request(Request::Home).expect("homing begins");
     driven.run(60 * MILLISECOND);
-    let kind = FaultKind::MotorDisconnected { joint: 1 };
+    let kind = FaultKind::MotorDisconnected {
+        joint: Joint::Joint4,
+    };
     driven.arm.get().inject(kind);
     for _ in 0..50 {
         driven.run(20 * MILLISECOND);
@@ -196,7 +200,7 @@ fn brakes_that_do_not_hold_an_upright_arm_after_homing() {
         driven.run(20 * MILLISECOND);
         driven.status();
     }
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let brake = FaultKind::BrakeFails { joint };
         driven.arm.get().inject(brake);
     }

@@ -14,6 +14,7 @@ use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{ActuatorCommand, Controller, Move, Planner, Request};
+use fivebar_kinematics::five_bar::Joint;
 use rtic_core::Mutex;
 
 /// Counts of half a PWM period.
@@ -223,7 +224,7 @@ fn a_job_and_disarming_give_the_duties_of_the_controller_in_this_process() {
     let mut recorder = Recorder::new();
     recorder.run(60 * MILLISECOND);
     let arm = recorder.driven.arm.clone();
-    let angles = [0, 1].map(|joint| arm.get().plant().angle(joint) as f32);
+    let angles = Joint::ALL.map(|joint| arm.get().plant().angle(joint) as f32);
     recorder.request(Request::SetAngles(angles));
     recorder.request(Request::Arm);
     recorder.driven.run(5 * MILLISECOND);

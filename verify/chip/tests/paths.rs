@@ -5,7 +5,6 @@ mod bench;
 
 use bench::raised::{at_the_end, tool_at_start};
 use bench::{Bench, Driven, arm_at, hear, robot, say, settings, tell};
-use fivebar_sim::drive::Drive;
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::controller::RequestError;
@@ -15,6 +14,7 @@ use fivebar_firmware::protocol::{
 };
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request, Settings};
+use fivebar_sim::drive::Drive;
 
 /// Drives the moves to their end; the tool is then at this point.
 fn drives(driven: &mut Driven, settings: &Settings, kinds: &[MoveKind], end: [f32; 2]) {

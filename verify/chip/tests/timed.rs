@@ -4,12 +4,12 @@
 mod bench;
 
 use bench::{Bench, arm_at, robot, settings};
-use fivebar_sim::drive::Drive;
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::{Move, MoveKind, Request, TimedCurve, TimedMove};
+use fivebar_sim::drive::Drive;
 
 /// Pieces of a motion of `way` [m] along a curve, from rest to rest: the jerk is +j, −j, −j, +j.
 fn pieces(curve: TimedCurve, way: f32, duration: f32) -> [MoveKind; 4] {

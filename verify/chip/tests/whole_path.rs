@@ -3,11 +3,11 @@
 mod bench;
 
 use bench::{Bench, gear, moves, settings, used_flash};
-use fivebar_sim::drive::{Drive, Homing};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::Request;
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_sim::drive::{Drive, Homing};
 
 #[test]
 fn the_image_runs_from_power_up_through_a_job_to_disarm() {

@@ -1,5 +1,7 @@
 //! Numbers from bytes.
 
+use fivebar_kinematics::five_bar::Joint;
+
 /// A reader of bytes; behind the end, it reads zeros.
 pub(crate) struct Bytes<'b>(pub(crate) &'b [u8]);
 
@@ -20,9 +22,12 @@ impl Bytes<'_> {
         self.byte() & 1 == 1
     }
 
-    /// 0 or 1.
-    pub(crate) fn joint(&mut self) -> usize {
-        usize::from(self.flag())
+    pub(crate) fn joint(&mut self) -> Joint {
+        if self.flag() {
+            Joint::Joint4
+        } else {
+            Joint::Joint1
+        }
     }
 
     pub(crate) fn short(&mut self) -> u16 {

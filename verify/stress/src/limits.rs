@@ -5,7 +5,7 @@ use fivebar_firmware::safety::State;
 use fivebar_firmware::{Settings, Status};
 use fivebar_kinematics::control::FrictionCompensation;
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Tool};
+use fivebar_kinematics::five_bar::{Geometry, Joint, PoseError, Side, Tool};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -250,13 +250,13 @@ impl Limits {
     fn torque_share(&self, torque: [f64; 2], omega: [f64; 2]) -> f64 {
         let smoothing = f64::from(self.settings.control.friction_smoothing);
         let peak = self.settings.peak_torque();
-        let share = |joint: usize| {
+        let [share1, share4] = Joint::ALL.map(|joint| {
             let axis = &self.settings.axes[joint];
             let [viscous, coulomb] = [axis.viscous_friction, axis.coulomb_friction].map(f64::from);
             let friction = FrictionCompensation::new(viscous, coulomb, smoothing);
             (torque[joint] + friction.torque(omega[joint])).abs() / f64::from(peak[joint])
-        };
-        share(0).max(share(1))
+        });
+        share1.max(share4)
     }
 
     fn motion(

@@ -5,6 +5,7 @@ use super::settings::ADC_CODES;
 use super::{Actuator, Robot, plausible};
 use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_firmware::settings::{AxisField, Row, SettingsError};
+use fivebar_kinematics::five_bar::Joint;
 
 /// Least and greatest time constant of a winding [s]; real ones have 20 µs to 50 ms. Beyond
 /// them single precision is not enough for the current loop.
@@ -30,14 +31,17 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals)
             SettingsError::Geometry(_) | SettingsError::Inertia(_) | SettingsError::NoPose => {
                 continue;
             }
-            SettingsError::Axis(joint, field) => {
-                let joint = usize::from(joint != 1);
+            SettingsError::Axis(number, field) => {
+                let Some(joint) = Joint::numbered(number) else {
+                    continue;
+                };
                 let axis = &settings.axes[joint];
                 (joint, field.row(), field.value(axis), field.bounds(axis))
             }
             SettingsError::Field(field) => {
                 let bounds = field.bounds(&settings);
-                (0, field.row(), field.value(&settings), bounds)
+                let value = field.value(&settings);
+                (Joint::Joint1, field.row(), value, bounds)
             }
             _ => continue,
         };
@@ -59,7 +63,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals)
             }
             (key, _) => {
                 // As the file has it, unless the setting is made from it and others.
-                let text = source.number_of(key, joint);
+                let text = source.number_of(key, joint.index());
                 let text = text.filter(|(number, _)| (*number as f32).abs() == value.abs());
                 let text = text.map_or_else(|| format!("{value:?}"), |(_, text)| text);
                 (key, text, row.unit, must(&row, bounds))
@@ -74,10 +78,10 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals)
 }
 
 /// The key of a robot file that decides a setting.
-fn key_of(row: &Row, joint: usize) -> Key {
+fn key_of(row: &Row, joint: Joint) -> Key {
     match row.key.split_once('.') {
         None => Key::Top(row.key),
-        Some((section @ "actuator", name)) => Key::Of(section, joint, name),
+        Some((section @ "actuator", name)) => Key::Of(section, joint.index(), name),
         Some((section, name)) => Key::In(section, name),
     }
 }

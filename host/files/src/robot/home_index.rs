@@ -3,6 +3,7 @@
 use super::{Actuator, HomeMethod, Robot};
 use crate::source::{FileError, Key, Source};
 use fivebar_firmware::settings::{HomingSettings, INDEX_MARGIN};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::EncoderSide;
 use std::f64::consts::TAU;
 
@@ -31,7 +32,7 @@ impl Robot {
     /// Where the switches close [rad], if that is not at home.
     pub(super) fn switches(&self, drives: &[Actuator; 2]) -> Option<[f64; 2]> {
         (self.homing.method == HomeMethod::Index).then(|| {
-            self.homing.switch.unwrap_or([0, 1].map(|joint| {
+            self.homing.switch.unwrap_or(Joint::ALL.map(|joint| {
                 let behind = 0.5 * drives[joint].index_turn();
                 self.home[joint] + self.towards(joint) * behind
             }))
@@ -39,7 +40,7 @@ impl Robot {
     }
 
     /// 1 where a joint approaches its switch with a growing angle, else −1.
-    fn towards(&self, joint: usize) -> f64 {
+    fn towards(&self, joint: Joint) -> f64 {
         if self.homes_forward(joint) { 1.0 } else { -1.0 }
     }
 }
@@ -65,12 +66,12 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
     }
     let switches = robot.switches(actuators).unwrap_or(robot.home);
     let key = Key::In("homing", "switch");
-    for (joint, number) in [1, 4].into_iter().enumerate() {
+    for joint in Joint::ALL {
         let switch = switches[joint];
         let [low, high] = robot.limits.angle[joint];
         if !(low..=high).contains(&switch) {
             let reason = format!(
-                "of joint {number} is at {switch:.4} rad, outside limits.angle {low:?} to {high:?}: a switch \
+                "of {joint} is at {switch:.4} rad, outside limits.angle {low:?} to {high:?}: a switch \
                  beyond them is not reached (without the key it is half a turn of the encoder behind home)"
             );
             return Err(source.refuse(key, reason));
@@ -81,7 +82,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
         let margin = f64::from(INDEX_MARGIN);
         if !(margin..=1.0 - margin).contains(&share) {
             let reason = format!(
-                "of joint {number} closes {share:.3} turns of the encoder behind its index pulse, home: it \
+                "of {joint} closes {share:.3} turns of the encoder behind its index pulse, home: it \
                  tells the pulse from the next one only between {margin} and {} turns, {:.4} to {:.4} rad; best in \
                  the middle",
                 1.0 - margin,

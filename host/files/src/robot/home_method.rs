@@ -4,6 +4,7 @@ use super::homing::HomeSearch;
 use super::{Actuator, Robot};
 use crate::source::{FileError, Key, Source};
 use fivebar_firmware::settings::{HomeReference, HomingMethod};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::EncoderSide;
 use serde::Deserialize;
 use std::f64::consts::TAU;
@@ -90,7 +91,7 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         return Err(source.refuse(method, "needs both [[actuator]]: it feels motor currents"));
     };
     let least = |values: [f64; 2]| values[0].min(values[1]);
-    let continuous = least([0, 1].map(|j| robot.limited(j, actuators[j]).continuous_current));
+    let continuous = least(Joint::ALL.map(|j| robot.limited(j, actuators[j]).continuous_current));
     let current = robot.homing.current.unwrap_or(f64::INFINITY);
     if current > continuous {
         let reason = format!(
@@ -107,7 +108,7 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         );
         return Err(source.refuse(Key::In("homing", "speed"), reason));
     }
-    for (joint, number) in [1, 4].into_iter().enumerate() {
+    for joint in Joint::ALL {
         let [low, high] = robot.limits.angle[joint];
         let home = robot.home[joint];
         let (end, room) = if robot.homes_forward(joint) {
@@ -118,7 +119,7 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         let back_off = robot.homing.back_off;
         if room > back_off {
             let reason = format!(
-                "of joint {number} must end before its hard stop, which lies {back_off:?} rad, the \
+                "of {joint} must end before its hard stop, which lies {back_off:?} rad, the \
                  back_off, behind home: not at {end:?} rad"
             );
             return Err(source.refuse(Key::In("limits", "angle"), reason));
@@ -129,7 +130,7 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
 
 /// An absolute encoder shows one angle only if it turns with its joint, and that by one turn at most.
 fn absolute(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         let Some(actuators) = &robot.actuators else {
             continue;
         };
@@ -139,7 +140,7 @@ fn absolute(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
             ..
         } = actuators[joint];
         if encoder_side == EncoderSide::Motor && gear_ratio.abs() != 1.0 {
-            let key = Key::Of("actuator", joint, "encoder_side");
+            let key = Key::Of("actuator", joint.index(), "encoder_side");
             let reason = "must be \"joint\" for absolute encoders: a motor has the same counts in each \
                           of its turns";
             return Err(source.refuse(key, reason));

@@ -6,6 +6,7 @@ use super::home_method::{self, HomeMethod};
 use super::value::positive;
 use crate::source::{FileError, Key, Source};
 use fivebar_firmware::settings::Field;
+use fivebar_kinematics::five_bar::Joint;
 use serde::Deserialize;
 
 /// Where the joints' angles come from, and the search for switches, index pulses or stops.
@@ -76,7 +77,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
         let reason = "is a motor's: give both [[actuator]], or leave it out";
         return Err(source.refuse(Key::In("homing", "current"), reason));
     };
-    let peaks = [0, 1].map(|joint| robot.limited(joint, actuators[joint]).peak_current);
+    let peaks = Joint::ALL.map(|joint| robot.limited(joint, actuators[joint]).peak_current);
     at_most(
         "current",
         current,

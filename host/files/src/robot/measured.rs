@@ -2,6 +2,7 @@
 
 use super::Robot;
 use crate::source::{FileError, Key, Source};
+use fivebar_kinematics::five_bar::Joint;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// A value of a robot file that can be measured.
@@ -15,8 +16,8 @@ pub enum MeasuredKey {
     Home,
     /// A key of the n-th `[[link]]`, from 0.
     Link(usize, &'static str),
-    /// A key of the n-th `[[actuator]]`, from 0.
-    Actuator(usize, &'static str),
+    /// A key of the `[[actuator]]` of a joint.
+    Actuator(Joint, &'static str),
 }
 
 impl MeasuredKey {
@@ -26,7 +27,7 @@ impl MeasuredKey {
             Self::Payload => Key::Top("payload"),
             Self::Home => Key::Top("home"),
             Self::Link(index, name) => Key::Of("link", index, name),
-            Self::Actuator(index, name) => Key::Of("actuator", index, name),
+            Self::Actuator(joint, name) => Key::Of("actuator", joint.index(), name),
         }
     }
 
@@ -73,7 +74,9 @@ pub fn measured_text(file: &str, text: &str, values: &[Measured]) -> Result<Stri
         } else {
             // A key that the file leaves out: above a line of its table that every file has.
             let beside = match *key {
-                MeasuredKey::Actuator(index, _) => Key::Of("actuator", index, "encoder_counts"),
+                MeasuredKey::Actuator(joint, _) => {
+                    Key::Of("actuator", joint.index(), "encoder_counts")
+                }
                 MeasuredKey::Link(index, _) => Key::Of("link", index, "length"),
                 _ => Key::Top("base"),
             };
@@ -170,7 +173,10 @@ mod tests {
         assert_eq!(Robot::parse("new", &new).unwrap().home, [2.8, 0.35]);
         // A key that an actuator leaves out is added to it.
         let error = "[{ harmonic = 1, amplitude = 1e-3, phase = 0.5 }]";
-        let values = [measured(MeasuredKey::Actuator(1, "encoder_error"), error)];
+        let values = [measured(
+            MeasuredKey::Actuator(Joint::Joint4, "encoder_error"),
+            error,
+        )];
         let new = measured_text("benchtop", text, &values).unwrap();
         let actuators = Robot::parse("new", &new).unwrap().actuators.unwrap();
         assert!(actuators[0].encoder_error.is_zero());

@@ -7,7 +7,7 @@ use fivebar_firmware::settings::{
     MotionSettings, ProtectionSettings,
 };
 use fivebar_kinematics::dynamics::Arm;
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Joint, Side};
 use fivebar_plant::{EncoderSide, Harmonics, Parameters};
 
 /// Codes of the 12-bit converters.
@@ -45,7 +45,7 @@ impl Robot {
             assembly_left: self
                 .home_pose()
                 .is_ok_and(|home| home.assembly() == Side::Left),
-            axes: [0, 1].map(|joint| self.axis(joint, &actuators)),
+            axes: Joint::ALL.map(|joint| self.axis(joint, &actuators)),
             control: ControlSettings {
                 tick_rate: single(control.tick_rate),
                 bandwidth: single(control.bandwidth),
@@ -92,7 +92,7 @@ impl Robot {
     pub fn drives(&self) -> Result<[Actuator; 2], MissingMasses> {
         let arm = self.arm()?;
         let drives = self.actuators.unwrap_or_else(|| {
-            [0, 1].map(|joint| {
+            Joint::ALL.map(|joint| {
                 let torque = self
                     .limits
                     .max_torque
@@ -100,7 +100,7 @@ impl Robot {
                 ideal_torque_source(torque, self.limits.max_speed[joint], self.supply.voltage)
             })
         });
-        Ok([0, 1].map(|joint| self.limited(joint, drives[joint])))
+        Ok(Joint::ALL.map(|joint| self.limited(joint, drives[joint])))
     }
 
     /// Torque of an ideal drive [N·m], more than any motion within the limits needs: for twice the whole
@@ -134,7 +134,7 @@ impl Robot {
     }
 
     /// Whether a joint approaches its switch with a growing angle.
-    pub(super) fn homes_forward(&self, joint: usize) -> bool {
+    pub(super) fn homes_forward(&self, joint: Joint) -> bool {
         let [low, high] = self.limits.angle[joint];
         match self.homing.forward {
             Some(forward) => forward[joint],
@@ -144,7 +144,7 @@ impl Robot {
 
     /// The joint's angle at its home switch, or at its hard stop: that lies the back-off behind home, so
     /// that the joint ends at home.
-    fn reference_angle(&self, joint: usize) -> f64 {
+    fn reference_angle(&self, joint: Joint) -> f64 {
         let towards = if self.homes_forward(joint) { 1.0 } else { -1.0 };
         match self.homing.method {
             HomeMethod::HardStop => self.home[joint] + towards * self.homing.back_off,
@@ -175,7 +175,7 @@ impl Robot {
     }
 
     /// A drive whose currents are limited to the joint's greatest torque.
-    pub(super) fn limited(&self, joint: usize, drive: Actuator) -> Actuator {
+    pub(super) fn limited(&self, joint: Joint, drive: Actuator) -> Actuator {
         let Some(torque) = self.limits.max_torque else {
             return drive;
         };
@@ -211,7 +211,7 @@ impl Robot {
         (4.0 / 3.0 * self.protection.over_current).max(2.0) * peak
     }
 
-    fn axis(&self, joint: usize, actuators: &[Actuator; 2]) -> AxisSettings {
+    fn axis(&self, joint: Joint, actuators: &[Actuator; 2]) -> AxisSettings {
         let actuator = &actuators[joint];
         let ample = 2.0 * self.ample_current(actuators) / ADC_CODES;
         AxisSettings {

@@ -1,6 +1,7 @@
 //! `[[fault]]` of a scenario file: a fault to inject, and its time.
 
 use crate::source::{FileError, Key, Source};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Parameters};
 use serde::Deserialize;
 
@@ -81,11 +82,10 @@ impl FaultEntry {
             return Err(source.refuse(key("at"), reason));
         }
         let missing = |name, what: &str| source.refuse(key(name), format!("is missing: {what}"));
-        let joint = || match self.joint {
-            Some(1) => Ok(0),
-            Some(4) => Ok(1),
-            Some(other) => Err(source.refuse(key("joint"), format!("is 1 or 4, not {other}"))),
-            None => Err(missing("joint", "1 or 4")),
+        let joint = || {
+            let number = self.joint.ok_or_else(|| missing("joint", "1 or 4"))?;
+            let other = || source.refuse(key("joint"), format!("is 1 or 4, not {number}"));
+            Joint::numbered(number).ok_or_else(other)
         };
         let finite = |name, value: Option<f64>, what: &str| match value {
             Some(value) if value.is_finite() => Ok(value),

@@ -10,6 +10,7 @@ use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::recorder::{LogConfig, LogPage, PAGE_WORDS, Signals};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Request, SensorSample, Settings, Status};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_sim::drive::{Drive, Homing};
 use fivebar_sim::link::Client;
 use std::f64::consts::TAU;
@@ -42,8 +43,8 @@ pub(super) struct Bench {
 /// A voltage on a motor, see [`Excitation`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pulse {
-    /// The joint whose bridge is used, 0 or 1.
-    pub(super) joint: usize,
+    /// The joint whose bridge is used.
+    pub(super) joint: Joint,
     /// The mean and the amplitude of the pseudo-random sequence around it [V].
     pub(super) volts: [f64; 2],
     /// Duration [s].
@@ -103,7 +104,7 @@ impl Bench {
         self.begin_log(config)?;
         self.pause(0.3)?;
         let rows = self.read_log(&config)?;
-        for (joint, zero) in self.zeros.iter_mut().enumerate() {
+        for (joint, zero) in Joint::ALL.into_iter().zip(&mut self.zeros) {
             let codes = rows.current_codes(joint);
             *zero = codes.iter().sum::<f64>() / codes.len().max(1) as f64;
         }
@@ -131,8 +132,8 @@ impl Bench {
         }
     }
 
-    /// The drive of a joint, 0 or 1.
-    pub(super) fn drive(&self, joint: usize) -> Result<Actuator, StepError> {
+    /// The drive of a joint.
+    pub(super) fn drive(&self, joint: Joint) -> Result<Actuator, StepError> {
         self.robot
             .actuators
             .as_ref()
@@ -145,7 +146,7 @@ impl Bench {
     }
 
     /// Encoder counts per turn of a joint; negative where the motor turns against it.
-    pub(super) fn counts_per_turn(&self, joint: usize) -> Result<f64, StepError> {
+    pub(super) fn counts_per_turn(&self, joint: Joint) -> Result<f64, StepError> {
         let drive = self.drive(joint)?;
         Ok(f64::from(drive.encoder_counts) * drive.gear_ratio)
     }
@@ -277,7 +278,7 @@ impl Bench {
         let rate = self.robot.control.tick_rate;
         self.begin_log(config)?;
         self.request(Request::Excite(Excitation {
-            joint: pulse.joint as u8,
+            joint: pulse.joint.index() as u8,
             of: Excited::Voltage,
             offset: pulse.volts[0] as f32,
             amplitude: pulse.volts[1] as f32,
@@ -302,7 +303,7 @@ impl Bench {
         }
     }
 
-    fn take_greatest(&mut self, joint: usize, rows: &LogRows) -> Result<(), StepError> {
+    fn take_greatest(&mut self, joint: Joint, rows: &LogRows) -> Result<(), StepError> {
         let per_count = (TAU / self.counts_per_turn(joint)?).abs();
         let per_code = f64::from(self.settings.axes[joint].current_per_code);
         let zero = self.zeros[joint];

@@ -1,6 +1,7 @@
 //! The rows of a log in units.
 
 use fivebar_firmware::recorder::{LogConfig, Signals};
+use fivebar_kinematics::five_bar::Joint;
 
 /// The rows of a log.
 #[derive(Debug)]
@@ -27,8 +28,8 @@ impl LogRows {
         rows.filter(move |_| recorded).map(move |row| row[place])
     }
 
-    /// The counts of a joint, 0 or 1, from the first row on.
-    pub(super) fn counts(&self, joint: usize) -> Vec<f64> {
+    /// The counts of a joint, from the first row on.
+    pub(super) fn counts(&self, joint: Joint) -> Vec<f64> {
         let signal = [Signals::COUNTS_1, Signals::COUNTS_4][joint];
         let (mut last, mut sum) = (None, 0.0);
         self.column(signal)
@@ -40,14 +41,14 @@ impl LogRows {
             .collect()
     }
 
-    /// The codes of a joint's current, 0 or 1.
-    pub(super) fn current_codes(&self, joint: usize) -> Vec<f64> {
+    /// The codes of a joint's current.
+    pub(super) fn current_codes(&self, joint: Joint) -> Vec<f64> {
         let signal = [Signals::CURRENT_1, Signals::CURRENT_4][joint];
         self.column(signal).map(f64::from).collect()
     }
 
-    /// The duties of a joint, 0 or 1.
-    pub(super) fn duties(&self, joint: usize) -> Vec<f64> {
+    /// The duties of a joint.
+    pub(super) fn duties(&self, joint: Joint) -> Vec<f64> {
         let signal = [Signals::DUTY_1, Signals::DUTY_4][joint];
         let duty = |word: u16| f64::from(word as i16) / 32_767.0;
         self.column(signal).map(duty).collect()

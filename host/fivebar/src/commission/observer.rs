@@ -2,6 +2,7 @@
 //! sensor and no wiring can falsify.
 
 use fivebar_firmware::ActuatorCommand;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Plant;
 use serde::Serialize;
 
@@ -79,19 +80,20 @@ impl Observer {
             self.span = None;
             return;
         }
-        let angle = [0, 1].map(|joint| plant.angle(joint));
+        let angle = Joint::ALL.map(|joint| plant.angle(joint));
         let new = PoweredSpan {
             start: angle,
             heat: 0.0,
         };
         let span = self.span.get_or_insert(new);
-        let heating = |joint: usize| {
+        let heating = |joint: Joint| {
             plant.model().motors[joint].resistance * state.current[joint] * state.current[joint]
         };
-        span.heat += (heating(0) + heating(1)) * period;
+        let [heating1, heating4] = Joint::ALL.map(heating);
+        span.heat += (heating1 + heating4) * period;
         step.powered_s += period;
         step.heat_j = step.heat_j.max(span.heat);
-        for joint in [0, 1] {
+        for joint in Joint::ALL {
             let angle = angle[joint];
             let travel = (angle - span.start[joint]).abs();
             step.travel_rad[joint] = step.travel_rad[joint].max(travel);

@@ -2,6 +2,7 @@
 
 use super::StepError;
 use super::simulated::OperatorActions;
+use fivebar_kinematics::five_bar::Joint;
 
 /// Something to be done by hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,12 +11,12 @@ pub(super) enum Task {
     PressStop,
     /// Release it.
     ReleaseStop,
-    /// Press a home switch, 0 or 1.
-    PressSwitch(usize),
+    /// Press the home switch of a joint.
+    PressSwitch(Joint),
     /// Release both home switches.
     ReleaseSwitches,
-    /// Turn a joint, 0 or 1, by this angle [rad], and hold the other one.
-    Turn(usize, f64),
+    /// Turn a joint by this angle [rad], and hold the other one.
+    Turn(Joint, f64),
     /// Put the tip into the hole of this number and place [m].
     Hole(usize, [f64; 2]),
     /// Hold the arm at its home angles.
@@ -24,26 +25,17 @@ pub(super) enum Task {
     LetGo,
 }
 
-/// The joint's number.
-pub(super) fn number(joint: usize) -> u8 {
-    if joint == 0 { 1 } else { 4 }
-}
-
 impl Task {
     fn text(&self) -> String {
         match *self {
             Self::PressStop => "Press the emergency stop and keep it pressed".into(),
             Self::ReleaseStop => "Release the emergency stop".into(),
             Self::PressSwitch(joint) => {
-                format!(
-                    "Press the home switch of joint {} and keep it pressed",
-                    number(joint)
-                )
+                format!("Press the home switch of {joint} and keep it pressed")
             }
             Self::ReleaseSwitches => "Release the home switch".into(),
             Self::Turn(joint, by) => format!(
-                "Turn joint {} by hand {} by {:.0}° (use a set square) and hold the other joint",
-                number(joint),
+                "Turn {joint} by hand {} by {:.0}° (use a set square) and hold the other joint",
                 if by > 0.0 {
                     "counter-clockwise"
                 } else {

@@ -6,7 +6,7 @@ use super::operator::Task;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
-use fivebar_kinematics::five_bar::{Geometry, Pose, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Pose, Side, WorkingMode};
 use fivebar_plant::{Hands, Plant};
 use fivebar_sim::link::Loopback;
 use fivebar_sim::simulation::Simulate;
@@ -84,7 +84,7 @@ impl Held {
             let Some(pose) = pose(step) else { return false };
             let angles = pose.angles();
             let near = |last: [f64; 4]| {
-                let turned = |joint: usize| (angles[joint] - last[joint]).sin().abs();
+                let turned = |link: usize| (angles[link] - last[link]).sin().abs();
                 turned(0) < 0.05 && turned(3) < 0.05
             };
             pose.sin32().abs() > 0.05 && last.replace(angles).is_none_or(near)
@@ -93,7 +93,7 @@ impl Held {
 
     /// Begins to move the arm to these angles, where C is at `place`.
     fn move_to(&mut self, to: [f64; 2], place: [f64; 2]) -> Result<(), StepError> {
-        let from = [0, 1].map(|joint| self.plant.angle(joint));
+        let from = Joint::ALL.map(|joint| self.plant.angle(joint));
         let now = self.geometry.forward(from[0], from[1], self.assembly);
         let now = now.map_err(StepError::other)?;
         let direct = [
@@ -158,7 +158,7 @@ impl OperatorActions {
             Task::PressSwitch(joint) => held.hands.home[joint] = true,
             Task::ReleaseSwitches => held.hands.home = [false; 2],
             Task::Turn(joint, by) => {
-                let mut to = [0, 1].map(|joint| held.plant.angle(joint));
+                let mut to = Joint::ALL.map(|joint| held.plant.angle(joint));
                 to[joint] += by;
                 let pose = held.geometry.forward(to[0], to[1], held.assembly);
                 let place = pose.map_err(StepError::other)?.c.into();
@@ -167,8 +167,8 @@ impl OperatorActions {
             Task::Hole(_, place) => {
                 let pose = held.geometry.inverse(Vector2::from(place), held.mode);
                 let angles = pose.map_err(StepError::other)?.angles();
-                let to = [0, 1].map(|joint: usize| {
-                    let (now, angle) = (held.plant.angle(joint), angles[3 * joint]);
+                let to = Joint::ALL.map(|joint| {
+                    let (now, angle) = (held.plant.angle(joint), angles[3 * joint.index()]);
                     angle + ((now - angle) / TAU).round() * TAU
                 });
                 held.move_to(to, place)?;
@@ -232,7 +232,7 @@ pub(super) fn arm(
     let plant = scenario.plant().map_err(StepError::other)?;
     let held = Held {
         middle: [middle[0], middle[3]],
-        home: [0, 1].map(|joint| true_robot.home[joint] + mismatch.home_error[joint]),
+        home: Joint::ALL.map(|joint| true_robot.home[joint] + mismatch.home_error[joint]),
         plant: plant.with_resolved_windings(),
         geometry,
         assembly: true_robot.home_pose().map_err(StepError::other)?.assembly(),

@@ -4,6 +4,7 @@ use crate::arm::{self, driving, settings};
 use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_sim::link::{
     Client, FaultInjector, FaultRates, InProcess, LinkError, Lockstep, Loopback, Tracer,
 };
@@ -95,7 +96,7 @@ fn the_arm_stops_on_its_path_if_the_host_falls_silent() {
             .expect("the command is accepted");
     };
     let theta = arm::plant();
-    let angles = [theta.angle(0), theta.angle(1)].map(|angle| angle as f32);
+    let angles = [theta.angle(Joint::Joint1), theta.angle(Joint::Joint4)].map(|angle| angle as f32);
     command(HostCommand::Request(Request::SetAngles(angles)));
     command(HostCommand::Request(Request::Arm));
     let [x, y] = arm::robot()

@@ -3,6 +3,7 @@
 use super::quantity;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::safety::Fault;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_sim::link::TargetError;
 use fivebar_sim::simulation::{DemoScaleError, Record, RunError, fault_name};
 
@@ -106,16 +107,15 @@ fn falls(scenario: &Scenario) -> Option<String> {
     let home = scenario.robot.home_pose().ok()?;
     let weight = scenario.robot.arm().ok()?.gravity_torque(&home).ok()?;
     let drives = scenario.robot.drives().ok()?;
-    let joint = (0..2).find(|&joint| {
+    let joint = Joint::ALL.into_iter().find(|&joint| {
         let drive = &drives[joint];
         weight[joint].abs() > drive.brake_torque + drive.coulomb_friction
     })?;
     let [needed, brake] = [weight[joint].abs(), drives[joint].brake_torque];
     Some(format!(
-        ". Unpowered it falls: at home its weight needs {} at joint {}, but the `brake_torque` of \
+        ". Unpowered it falls: at home its weight needs {} at {joint}, but the `brake_torque` of \
          this joint is {}",
         quantity(needed, "N·m"),
-        [1, 4][joint],
         quantity(brake, "N·m")
     ))
 }

@@ -3,6 +3,7 @@
 use super::quantity;
 use crate::study::identification::Validations;
 use fivebar_design::identification::{BASE_NAMES, Identification, Payload};
+use fivebar_kinematics::five_bar::Joint;
 use std::fmt::Write as _;
 
 /// Base parameters, friction and offsets with their deviations, and what stays unexplained.
@@ -22,7 +23,7 @@ pub fn identification(name: &str, rows: usize, found: &Identification) -> String
             found.base_sd[index]
         );
     }
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let with_sd = |values: [f64; 2], sd: [f64; 2], unit: &str| {
             format!(
                 "{} ± {}",
@@ -32,8 +33,7 @@ pub fn identification(name: &str, rows: usize, found: &Identification) -> String
         };
         let _ = writeln!(
             text,
-            "  joint {}: viscous friction {}, Coulomb friction {}, torque offset {}",
-            [1, 4][joint],
+            "  {joint}: viscous friction {}, Coulomb friction {}, torque offset {}",
             with_sd(found.viscous, found.viscous_sd, "N·m·s/rad"),
             with_sd(found.coulomb, found.coulomb_sd, "N·m"),
             with_sd(found.offset, found.offset_sd, "N·m"),

@@ -5,9 +5,9 @@
 //! fast as this machine allows, until it is interrupted. Lines of its input tell a hand at the arm
 //! what to do (`Hand::execute`); it prints `done` when the hand has done it.
 
-use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HAND_TIME, Hand, Image, Options, SharedArm};
+use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
 use std::error::Error;

@@ -4,19 +4,19 @@
 
 pub(crate) mod raised;
 
-use fivebar_files::robot::{BuiltIn, Robot};
-use fivebar_files::scenario::Scenario;
-use fivebar_sim::link::{Client, LinkError};
 use fivebar_chip::time::{MICROSECOND, MILLISECOND, Time};
 use fivebar_chip::{Arm, Chip, HostLine, Image, Options, Output, SharedArm};
+use fivebar_files::robot::{BuiltIn, Robot};
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Reply, Reset,
     Sequence, encode,
 };
 use fivebar_firmware::{Move, MoveKind, Request, Settings, Status};
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
+use fivebar_sim::link::{Client, LinkError};
 use nalgebra::Vector2;
 use std::cell::RefMut;
 use std::path::PathBuf;
@@ -206,7 +206,7 @@ impl Driven {
 
     /// Tells the controller where the arm is, and arms it; the angles that it was told.
     pub(crate) fn arm(&mut self) -> [f32; 2] {
-        let angles = [0, 1].map(|joint| self.arm.get().plant().angle(joint) as f32);
+        let angles = Joint::ALL.map(|joint| self.arm.get().plant().angle(joint) as f32);
         self.request(Request::SetAngles(angles)).expect("angles");
         self.request(Request::Arm).expect("armed");
         self.run(5 * MILLISECOND);

@@ -9,6 +9,7 @@ use crate::timed::TimedRun;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{CrossingMove, FULL_TOOL, Move, MoveKind, Planner, Request};
+use fivebar_kinematics::five_bar::Joint;
 
 /// Ticks after which a move is offered again.
 const AGAIN: u16 = 20;
@@ -90,7 +91,7 @@ impl Session<'_> {
     }
 
     pub(super) fn declare_angles(&mut self) -> Result<(), Violation> {
-        let angles = [0, 1].map(|joint| self.plant.angle(joint) as f32);
+        let angles = Joint::ALL.map(|joint| self.plant.angle(joint) as f32);
         self.command(HostCommand::Request(Request::SetAngles(angles)))
     }
 

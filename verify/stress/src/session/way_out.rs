@@ -6,6 +6,7 @@ use crate::rules::Violation;
 use crate::way_out::{Machine, WayOut, way_out};
 use fivebar_firmware::Status;
 use fivebar_firmware::protocol::{CommandError, HostCommand};
+use fivebar_kinematics::five_bar::Joint;
 
 impl Session<'_> {
     /// Lets nothing disturb the arm any more, and tries the way out of the state.
@@ -45,6 +46,6 @@ impl Machine for Session<'_> {
     }
 
     fn angles(&self) -> [f32; 2] {
-        [0, 1].map(|joint| self.plant.angle(joint) as f32)
+        Joint::ALL.map(|joint| self.plant.angle(joint) as f32)
     }
 }

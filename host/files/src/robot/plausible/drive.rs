@@ -4,6 +4,7 @@ use super::Plausible;
 use crate::robot::{Actuator, Robot};
 use crate::source::Key;
 use fivebar_firmware::settings::AxisField;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Harmonic;
 use std::f64::consts::TAU;
 
@@ -46,13 +47,14 @@ const COUNTS: f64 = 500.0;
 const COUNTS_OF_ERROR: f64 = 4.0;
 
 pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
-    let actuators = robot.actuators.iter().flatten().enumerate();
-    let of_joint = |(joint, actuator): (usize, &Actuator)| joint_rules(robot, joint, actuator);
-    actuators.flat_map(of_joint).collect()
+    let actuators = Joint::ALL.into_iter().zip(robot.actuators.iter().flatten());
+    actuators
+        .flat_map(|(joint, actuator)| joint_rules(robot, joint, actuator))
+        .collect()
 }
 
-fn joint_rules(robot: &Robot, joint: usize, motor: &Actuator) -> Vec<Plausible> {
-    let key = |name| Key::Of("actuator", joint, name);
+fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> {
+    let key = |name| Key::Of("actuator", joint.index(), name);
     let voltage = robot.supply.voltage;
     let peak_torque = motor.peak_torque();
     let stall = voltage / motor.resistance;
@@ -125,16 +127,16 @@ fn joint_rules(robot: &Robot, joint: usize, motor: &Actuator) -> Vec<Plausible> 
 }
 
 /// What is known of the encoder's errors.
-fn encoder(joint: usize, motor: &Actuator) -> impl Iterator<Item = Plausible> {
+fn encoder(joint: Joint, motor: &Actuator) -> impl Iterator<Item = Plausible> {
     let latency = Plausible::new(
-        Key::Of("actuator", joint, "encoder_latency"),
+        Key::Of("actuator", joint.index(), "encoder_latency"),
         (motor.encoder_latency, "s"),
         [0.0, LATENCY],
         "encoders are read within less",
     );
     let phase = move |term: &Harmonic| {
         Plausible::new(
-            Key::Of("actuator", joint, "encoder_error"),
+            Key::Of("actuator", joint.index(), "encoder_error"),
             (term.phase, "rad"),
             [0.0, TAU],
             "its `phase` is an angle within a turn",
@@ -144,8 +146,8 @@ fn encoder(joint: usize, motor: &Actuator) -> impl Iterator<Item = Plausible> {
     std::iter::once(latency).chain(phases)
 }
 
-fn electrics(robot: &Robot, joint: usize, motor: &Actuator, stall: f64) -> Vec<Plausible> {
-    let key = |name| Key::Of("actuator", joint, name);
+fn electrics(robot: &Robot, joint: Joint, motor: &Actuator, stall: f64) -> Vec<Plausible> {
+    let key = |name| Key::Of("actuator", joint.index(), name);
     let mut rules = vec![
         Plausible::new(
             key("inductance"),

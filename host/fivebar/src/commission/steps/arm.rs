@@ -7,6 +7,7 @@ use super::{Outcome, index};
 use fivebar_files::robot::{HomeMethod, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Status;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_report::picture::{DrawnPoint, validation as picture};
 use fivebar_report::study::margins::MarginsStudy;
 use fivebar_sim::drive::Drive;
@@ -33,23 +34,23 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
         let status = bench.pause(0.3)?;
         let counts = bench.sample()?.counts;
         let mut origin = [0.0; 2];
-        for (joint, origin) in origin.iter_mut().enumerate() {
+        for (joint, origin) in Joint::ALL.into_iter().zip(&mut origin) {
             let per_count = TAU / bench.counts_per_turn(joint)?;
             *origin = f64::from(counts[joint]) * per_count - f64::from(status.angle[joint]);
         }
         origins.push(origin);
     }
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         let first = origins[0][joint];
         let spread = origins
             .iter()
             .map(|o| (o[joint] - first).abs())
             .fold(0.0, f64::max);
-        let number = super::super::operator::number(joint);
+        let number = joint.number();
         if spread > REPEATABILITY {
             return Err(StepError::wrong(
                 format_args!(
-                    "the home angle of joint {number} repeats within {:.1} mrad only",
+                    "the home angle of {joint} repeats within {:.1} mrad only",
                     1e3 * spread
                 ),
                 "check the switch, stop or jig and its mounting, or lower [homing] speed",

@@ -6,12 +6,12 @@
 
 use super::super::bench::{Bench, Pulse};
 use super::super::finding::StepError;
-use super::super::operator::number;
 use super::super::record::Value;
 use super::electrics::away_from_switch;
 use fivebar_firmware::controller::{LONGEST_PULSE, MOST_DUTY};
 use fivebar_firmware::recorder::Signals;
 use fivebar_firmware::safety::Fault;
+use fivebar_kinematics::five_bar::Joint;
 
 /// Rows at the end of the pulse whose mean is the limit.
 const LAST: usize = 5;
@@ -21,10 +21,10 @@ const WINDING: f64 = 0.9;
 /// Finds the limit of a bridge whose motor has this resistance [Ω]: what was found, in words and for the record.
 pub(super) fn bridge_limit(
     bench: &mut Bench,
-    joint: usize,
+    joint: Joint,
     resistance: f64,
 ) -> Result<(String, Value), StepError> {
-    let this = number(joint);
+    let this = joint.number();
     let axis = &bench.settings.axes[joint];
     let peak = f64::from(axis.peak_current);
     let over_current = f64::from(bench.settings.protection.over_current);
@@ -38,25 +38,24 @@ pub(super) fn bridge_limit(
     let name = format!("pulse_current{this}_a");
     let value = Value::new(name, current, "at the end of a pulse of the whole voltage");
     if current > WINDING * volts / resistance {
-        let found = format!("the winding of joint {this} limits its current to {current:.2} A");
+        let found = format!("the winding of {joint} limits its current to {current:.2} A");
         return Ok((found, value));
     }
     if current < peak {
         return Err(StepError::wrong(
             format_args!(
-                "the current limit of the bridge of joint {this} is {current:.2} A, below the peak \
+                "the current limit of the bridge of {joint} is {current:.2} A, below the peak \
                  current of {peak:.2} A"
             ),
             "check VREF and the resistor at IPROPI (docs/use/wiring.md, Current limit), or lower peak_current",
         ));
     }
-    let found = format!("the bridge of joint {this} limits its current to {current:.2} A");
+    let found = format!("the bridge of {joint} limits its current to {current:.2} A");
     Ok((found, value))
 }
 
 /// The current at the end of a pulse [A].
-fn pulse_current(bench: &mut Bench, joint: usize, volts: f64) -> Result<f64, StepError> {
-    let this = number(joint);
+fn pulse_current(bench: &mut Bench, joint: Joint, volts: f64) -> Result<f64, StepError> {
     let over_current = f64::from(bench.settings.protection.over_current);
     let pulse = Pulse {
         joint,
@@ -75,7 +74,7 @@ fn pulse_current(bench: &mut Bench, joint: usize, volts: f64) -> Result<f64, Ste
         Err(StepError::Fault(Fault::OverCurrent)) => {
             return Err(StepError::wrong(
                 format_args!(
-                    "the current limit of the bridge of joint {this} is missing or above \
+                    "the current limit of the bridge of {joint} is missing or above \
                      {over_current:.1} A: a short pulse of {:.1} V is an over-current",
                     volts.abs()
                 ),

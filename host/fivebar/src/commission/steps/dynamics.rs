@@ -8,6 +8,7 @@ use super::Outcome;
 use super::moving::{JointLog, joint_angles, logged, tool};
 use fivebar_firmware::recorder::Signals;
 use fivebar_firmware::{Move, MoveKind, Planner};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_report::study::calibration::propose_poses;
 use fivebar_report::study::identification::{identify_robot, measured_masses, validate_robot};
 use std::ops::Range;
@@ -82,10 +83,11 @@ fn motion(bench: &mut Bench, rounds: Range<usize>) -> Result<Vec<[f64; 5]>, Step
         current,
     } = logged(bench, &moves, signals, every)?;
     // The mean of both ends of a row: the current that acted within it.
-    let acted = |joint: usize, k: usize| 0.5 * (current[joint][k] + current[joint][k - 1]);
+    let acted = |joint: Joint, k: usize| 0.5 * (current[joint][k] + current[joint][k - 1]);
     let rows = (1..angle[0].len()).map(|k| {
         let time = k as f64 * period;
-        [time, angle[0][k], angle[1][k], acted(0, k), acted(1, k)]
+        let [acted1, acted4] = Joint::ALL.map(|joint| acted(joint, k));
+        [time, angle[0][k], angle[1][k], acted1, acted4]
     });
     Ok(rows.collect())
 }

@@ -4,13 +4,13 @@
 use super::super::bench::{Bench, Pulse};
 use super::super::finding::StepError;
 use super::super::log::LogRows;
-use super::super::operator::number;
 use super::super::record::Value;
 use super::bridge_limit::bridge_limit;
 use super::fit::least_squares;
 use super::{Outcome, measured};
 use fivebar_files::robot::MeasuredKey;
 use fivebar_firmware::recorder::Signals;
+use fivebar_kinematics::five_bar::Joint;
 use std::f64::consts::TAU;
 
 /// Steps of the bridges' timer from no voltage to that of the bus.
@@ -33,7 +33,7 @@ struct Motion {
 }
 
 impl Motion {
-    fn of(bench: &Bench, joint: usize, pulse: &Pulse, rows: &LogRows) -> Result<Self, StepError> {
+    fn of(bench: &Bench, joint: Joint, pulse: &Pulse, rows: &LogRows) -> Result<Self, StepError> {
         let axis = &bench.settings.axes[joint];
         let per_count = TAU / bench.counts_per_turn(joint)?;
         let codes = rows.current_codes(joint);
@@ -72,13 +72,13 @@ pub(in super::super) fn electrics(bench: &mut Bench) -> Result<Outcome, StepErro
     bench.measure_zeros()?;
     let (mut values, mut keys) = (Vec::new(), Vec::new());
     let mut found = Vec::new();
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         let [[r, r_sd], [l, l_sd]] = winding(bench, joint)?;
         let (limit, pulse_current) = bridge_limit(bench, joint, r)?;
         values.push(pulse_current);
         let [k, k_sd] = torque_constant(bench, joint, [r, l])?;
         let drive = bench.drive(joint)?;
-        let this = number(joint);
+        let this = joint.number();
         for (name, value, drawn) in [
             ("resistance", r, drive.resistance),
             ("inductance", l, drive.inductance),
@@ -87,14 +87,14 @@ pub(in super::super) fn electrics(bench: &mut Bench) -> Result<Outcome, StepErro
             if !(value > 0.3 * drawn && value < 3.0 * drawn) {
                 return Err(StepError::wrong(
                     format_args!(
-                        "the {name} of joint {this} is {value:.4e}, and the robot file has {drawn:.4e}"
+                        "the {name} of {joint} is {value:.4e}, and the robot file has {drawn:.4e}"
                     ),
                     "check the motor's data sheet, current_per_code and voltage_per_code",
                 ));
             }
         }
         found.push(format!(
-            "joint {this}: {r:.3} Ω, {:.3} mH, {:.2} mN·m/A, {limit}",
+            "{joint}: {r:.3} Ω, {:.3} mH, {:.2} mN·m/A, {limit}",
             1e3 * l,
             1e3 * k
         ));
@@ -134,7 +134,7 @@ pub(in super::super) fn electrics(bench: &mut Bench) -> Result<Outcome, StepErro
 /// i⁺ = a i + (1−a)/R (u − Kω − v0), a = e^{−Rh/L}. The voltage of row k acts from row k+1 to k+2.
 /// The mean speed is that of the counts; what the sequence itself adds to it follows the sum of the
 /// currents.
-fn winding(bench: &mut Bench, joint: usize) -> Result<[[f64; 2]; 2], StepError> {
+fn winding(bench: &mut Bench, joint: Joint) -> Result<[[f64; 2]; 2], StepError> {
     let drive = bench.drive(joint)?;
     let holding = drive.continuous_current * drive.resistance;
     let pulse = Pulse {
@@ -210,7 +210,7 @@ fn rates(values: &[f64], period: f64, half: usize) -> Vec<f64> {
 }
 
 /// The sign of a voltage that turns a joint away from its switch.
-pub(super) fn away_from_switch(bench: &Bench, joint: usize) -> Result<f64, StepError> {
+pub(super) fn away_from_switch(bench: &Bench, joint: Joint) -> Result<f64, StepError> {
     let away = if bench.settings.axes[joint].home_forward {
         -1.0
     } else {
@@ -224,7 +224,7 @@ pub(super) fn away_from_switch(bench: &Bench, joint: usize) -> Result<f64, StepE
 /// rate K comes out 0.3 % too great on the benchtop arm.
 fn torque_constant(
     bench: &mut Bench,
-    joint: usize,
+    joint: Joint,
     [resistance, inductance]: [f64; 2],
 ) -> Result<[f64; 2], StepError> {
     let drive = bench.drive(joint)?;
@@ -260,7 +260,7 @@ fn torque_constant(
     }
     let fit = least_squares(&rows, &rights).ok_or_else(|| {
         StepError::wrong(
-            format_args!("joint {} hardly turned at constant voltages", number(joint)),
+            format_args!("{joint} hardly turned at constant voltages"),
             "check that it can turn by 0.5 rad away from its switch",
         )
     })?;

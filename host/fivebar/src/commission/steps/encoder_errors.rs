@@ -5,7 +5,7 @@
 //! −cos hφ/n.
 
 use fivebar_design::calibration::{Parameters, Touch, tip};
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Joint, Side};
 use nalgebra::{SMatrix, SVector};
 
 /// Harmonics of each shaft.
@@ -26,12 +26,12 @@ pub(super) struct WithErrors {
 
 impl WithErrors {
     /// The error of a joint's shaft over its ratio [rad], with the joint at `theta`.
-    pub(super) fn at(&self, joint: usize, theta: f64, ratio: f64) -> f64 {
+    pub(super) fn at(&self, joint: Joint, theta: f64, ratio: f64) -> f64 {
         error(&self.terms[joint], theta, ratio)
     }
 
     /// Amplitude and phase of each harmonic of a joint's shaft, as a robot file has them.
-    pub(super) fn text(&self, joint: usize) -> String {
+    pub(super) fn text(&self, joint: Joint) -> String {
         let terms: Vec<String> = (1..)
             .zip(self.terms[joint])
             .map(|(harmonic, [s, c]): (u32, [f64; 2])| {
@@ -71,19 +71,19 @@ pub(super) fn fit(
         let mut squares = 0.0;
         for touch in touches {
             let p = &found.parameters;
-            let theta = [0, 1].map(|joint: usize| touch.encoder[joint] + p.offsets[joint]);
-            let encoder = [0, 1].map(|joint: usize| {
+            let theta = Joint::ALL.map(|joint| touch.encoder[joint] + p.offsets[joint]);
+            let encoder = Joint::ALL.map(|joint| {
                 touch.encoder[joint] - error(&found.terms[joint], theta[joint], ratios[joint])
             });
             let tip = tip(p, encoder, assembly)?;
             let mut rows = SMatrix::<f64, 2, UNKNOWNS>::zeros();
             rows.fixed_columns_mut::<10>(0).copy_from(&tip.jacobian);
-            for joint in 0..2 {
+            for joint in Joint::ALL {
                 for harmonic in 0..HARMONICS {
                     let phase = (harmonic + 1) as f64 * ratios[joint] * theta[joint];
                     let (sin, cos) = phase.sin_cos();
-                    let by_offset = tip.jacobian.column(5 + joint);
-                    let place = 10 + 2 * (HARMONICS * joint + harmonic);
+                    let by_offset = tip.jacobian.column(5 + joint.index());
+                    let place = 10 + 2 * (HARMONICS * joint.index() + harmonic);
                     rows.set_column(place, &(by_offset * (-sin / ratios[joint])));
                     rows.set_column(place + 1, &(by_offset * (-cos / ratios[joint])));
                 }

@@ -6,13 +6,13 @@
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
-use super::super::operator::number;
 use super::super::record::Value;
 use super::moving::{JointLog, follow, joint_angles, logged, tool};
 use super::{Outcome, measured};
 use fivebar_files::robot::MeasuredKey;
 use fivebar_firmware::recorder::{LOG_WORDS, Signals};
 use fivebar_firmware::{Move, MoveKind, Planner};
+use fivebar_kinematics::five_bar::Joint;
 use std::f64::consts::TAU;
 
 /// Speeds of the sweep [rad/s]: above those at which stiction shows.
@@ -33,18 +33,18 @@ pub(in super::super) fn friction(bench: &mut Bench) -> Result<Outcome, StepError
     bench.home()?;
     bench.measure_zeros()?;
     let (mut values, mut keys, mut texts) = (Vec::new(), Vec::new(), Vec::new());
-    for joint in [0, 1] {
-        let this = number(joint);
+    for joint in Joint::ALL {
+        let this = joint.number();
         let points = sweep(bench, joint)?;
         let line = Line::through(&points).ok_or_else(|| {
             StepError::wrong(
-                format_args!("joint {this} reached hardly any constant speed"),
+                format_args!("{joint} reached hardly any constant speed"),
                 "check limits.max_speed and max_acceleration of the robot file, and that the joint \
                  turns freely around the middle of the workspace",
             )
         })?;
         texts.push(format!(
-            "joint {this}: {:.2} mN·m and {:.3} mN·m·s/rad",
+            "{joint}: {:.2} mN·m and {:.3} mN·m·s/rad",
             1e3 * line.coulomb[0],
             1e3 * line.viscous[0]
         ));
@@ -70,7 +70,7 @@ pub(in super::super) fn friction(bench: &mut Bench) -> Result<Outcome, StepError
 }
 
 /// Speeds [rad/s] and friction torques [N·m] of a joint.
-fn sweep(bench: &mut Bench, joint: usize) -> Result<Vec<[f64; 2]>, StepError> {
+fn sweep(bench: &mut Bench, joint: Joint) -> Result<Vec<[f64; 2]>, StepError> {
     let best = bench.robot.best_point().map_err(StepError::other)?;
     let middle = joint_angles(&bench.robot, best.into()).ok_or_else(|| {
         StepError::other("the middle of the workspace is outside limits.angle of the robot file")
@@ -108,7 +108,7 @@ fn sweep(bench: &mut Bench, joint: usize) -> Result<Vec<[f64; 2]>, StepError> {
         ));
     }
     // From there the switches are found.
-    let to_middle = joint_moves(bench, joint, middle, &middle[joint..=joint], 0.1)?;
+    let to_middle = joint_moves(bench, joint, middle, &[middle[joint]], 0.1)?;
     follow(bench, &to_middle)?;
     Ok(points)
 }
@@ -117,7 +117,7 @@ fn sweep(bench: &mut Bench, joint: usize) -> Result<Vec<[f64; 2]>, StepError> {
 /// share of the greatest speed.
 fn joint_moves(
     bench: &mut Bench,
-    joint: usize,
+    joint: Joint,
     middle: [f64; 2],
     through: &[f64],
     share: f64,
@@ -140,10 +140,7 @@ fn joint_moves(
         };
         tool = planner.check(tool, &next).map_err(|error| {
             StepError::wrong(
-                format_args!(
-                    "joint {} cannot turn around the middle of the workspace: {error}",
-                    number(joint)
-                ),
+                format_args!("{joint} cannot turn around the middle of the workspace: {error}"),
                 "check limits.angle and singularity_margin of the robot file",
             )
         })?;
@@ -156,7 +153,7 @@ fn joint_moves(
 /// was not constant.
 fn half_difference(
     log: &JointLog,
-    joint: usize,
+    joint: Joint,
     middle: f64,
     stretch: f64,
     constant: f64,

@@ -10,6 +10,7 @@ use fivebar_design::Noise;
 use fivebar_design::calibration::Touch;
 use fivebar_files::measurements::read_columns;
 use fivebar_files::robot::{MeasuredKey, Robot};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::EncoderSide;
 use fivebar_report::picture::tip_errors;
 use fivebar_report::study::calibration::{
@@ -77,7 +78,7 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
     }
     let mut keys = Vec::new();
     if let Some(errors) = &errors {
-        for joint in [0, 1] {
+        for joint in Joint::ALL {
             // The angle at the home switch is that of the joint, not of its encoder.
             let ratio = bench.drive(joint)?.gear_ratio;
             let at_home = errors.at(joint, bench.robot.home[joint], ratio);
@@ -128,7 +129,7 @@ fn encoder_errors(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>
     // Of all holes: errors of the encoders are no outliers.
     let plain = calibrate_robot(&bench.robot, rows, SIGMA, false).map_err(StepError::other)?;
     let residual = plain.calibration.residual_rms;
-    let drives = [bench.drive(0)?, bench.drive(1)?];
+    let drives = [bench.drive(Joint::Joint1)?, bench.drive(Joint::Joint4)?];
     let known = drives.iter().any(|drive| !drive.encoder_error.is_zero());
     let at_motor = drives
         .iter()
@@ -136,9 +137,12 @@ fn encoder_errors(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>
     if known || !at_motor || rows.len() < 30 {
         return Ok(None);
     }
-    let per_turn = [bench.counts_per_turn(0)?, bench.counts_per_turn(1)?];
+    let per_turn = [
+        bench.counts_per_turn(Joint::Joint1)?,
+        bench.counts_per_turn(Joint::Joint4)?,
+    ];
     let touch = |row: &[f64; 4]| Touch {
-        encoder: [0, 1].map(|joint: usize| (row[joint] + 0.5) * TAU / per_turn[joint]),
+        encoder: Joint::ALL.map(|joint| (row[joint.index()] + 0.5) * TAU / per_turn[joint]),
         hole: [row[2], row[3]].into(),
     };
     let touches: Vec<Touch> = rows.iter().map(touch).collect();
@@ -183,10 +187,10 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
             }
         };
         let mut row = [0.0, 0.0, stated[0], stated[1]];
-        for joint in [0, 1] {
+        for joint in Joint::ALL {
             let per_radian = bench.counts_per_turn(joint)? / TAU;
             let turned = f64::from(counts[joint].wrapping_sub(start[joint]));
-            row[joint] = f64::from(angle[joint]) * per_radian - 0.5 + turned;
+            row[joint.index()] = f64::from(angle[joint]) * per_radian - 0.5 + turned;
         }
         rows.push(row);
     }

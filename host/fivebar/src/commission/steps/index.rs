@@ -2,11 +2,11 @@
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
-use super::super::operator::number;
 use super::super::record::Value;
 use fivebar_firmware::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::INDEX_MARGIN;
+use fivebar_kinematics::five_bar::Joint;
 
 /// Turns of the encoder from a pulse within which a switch that drifts may soon be refused.
 const NEAR: f64 = 2.0 * INDEX_MARGIN as f64;
@@ -30,7 +30,7 @@ pub(super) fn home(bench: &mut Bench) -> Result<Vec<Value>, StepError> {
     let mut seen = [Seen::default(); 2];
     let fault = loop {
         let sample = bench.sample()?;
-        for (joint, seen) in seen.iter_mut().enumerate() {
+        for (joint, seen) in Joint::ALL.into_iter().zip(&mut seen) {
             seen.now = sample.counts[joint];
             seen.low |= !sample.index[joint];
             if sample.home[joint] {
@@ -43,7 +43,7 @@ pub(super) fn home(bench: &mut Bench) -> Result<Vec<Value>, StepError> {
             _ => break status.fault,
         }
     };
-    let ways = [0, 1].map(|joint| {
+    let ways = Joint::ALL.map(|joint| {
         let turn = f64::from(bench.settings.axes[joint].index_counts);
         let gone = |from: i32| f64::from(seen[joint].now.wrapping_sub(from)).abs() / turn;
         seen[joint].pressed.map(gone)
@@ -55,12 +55,12 @@ pub(super) fn home(bench: &mut Bench) -> Result<Vec<Value>, StepError> {
         Some(fault) => return Err(StepError::Fault(fault)),
     }
     let mut values = Vec::new();
-    for (joint, way) in ways.into_iter().enumerate() {
+    for (joint, way) in Joint::ALL.into_iter().zip(ways) {
         let Some(way) = way else { continue };
-        let number = number(joint);
+        let number = joint.number();
         if !(NEAR..=1.0 - NEAR).contains(&way) {
             bench.report(format_args!(
-                "the switch of joint {number} closes {way:.2} turns of the encoder behind the index \
+                "the switch of {joint} closes {way:.2} turns of the encoder behind the index \
                  pulse, and homing refuses less than {INDEX_MARGIN} and more than {}: better move the \
                  switch, or turn the disc, to 0.5",
                 1.0 - INDEX_MARGIN
@@ -74,8 +74,8 @@ pub(super) fn home(bench: &mut Bench) -> Result<Vec<Value>, StepError> {
 }
 
 /// The joints of which this is so, in words.
-fn joints(is_so: impl Fn(usize) -> bool) -> String {
-    match [is_so(0), is_so(1)] {
+fn joints(is_so: impl Fn(Joint) -> bool) -> String {
+    match Joint::ALL.map(is_so) {
         [true, false] => "joint 1".into(),
         [false, true] => "joint 4".into(),
         _ => "joint 1 or joint 4".into(),

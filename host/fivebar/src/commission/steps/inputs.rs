@@ -2,11 +2,12 @@
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
-use super::super::operator::{Task, number};
+use super::super::operator::Task;
 use super::super::record::Value;
 use super::{Outcome, contactor};
 use fivebar_files::robot::HomeMethod;
 use fivebar_firmware::safety::Fault;
+use fivebar_kinematics::five_bar::Joint;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// Greatest difference of the bus voltage from the robot file's, as a share.
@@ -44,23 +45,22 @@ pub(in super::super) fn supply(bench: &mut Bench) -> Result<Outcome, StepError> 
     let mut values = vec![
         Value::new("bus_voltage_v", volts, "mean of 0.5 s with the bridges off").with_sd(noise),
     ];
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         let codes = samples
             .iter()
             .map(|sample| f64::from(sample.current[joint]));
         let [zero, noise] = mean(codes);
         let middle = f64::from(bench.settings.axes[joint].current_zero_code);
-        let number = number(joint);
         if (zero - middle).abs() > ZERO_TOLERANCE {
             return Err(StepError::wrong(
                 format_args!(
-                    "the current sensor of joint {number} reads code {zero:.0} with the bridges \
+                    "the current sensor of {joint} reads code {zero:.0} with the bridges \
                      off, and {middle:.0} is no current"
                 ),
                 "check the sensor's supply and reference, and its wire to the board",
             ));
         }
-        let name = format!("current_zero{number}_codes");
+        let name = format!("current_zero{}_codes", joint.number());
         values.push(Value::new(name, zero, "with the bridges off").with_sd(noise));
     }
     let found = format!("the bus has {volts:.2} V, and both current sensors read no current");
@@ -115,11 +115,10 @@ pub(in super::super) fn emergency_stop(bench: &mut Bench) -> Result<Outcome, Ste
 
 /// Each home switch reads open, then pressed when it is pressed.
 pub(in super::super) fn switches(bench: &mut Bench) -> Result<Outcome, StepError> {
-    let stuck = |joint: usize| {
+    let stuck = |joint: Joint| {
         StepError::wrong(
             format_args!(
-                "the home switch of joint {} is stuck: it reads as pressed and nobody presses it",
-                number(joint)
+                "the home switch of {joint} is stuck: it reads as pressed and nobody presses it"
             ),
             "turn the joint away from its switch; then check the switch and its wire, because a \
              broken wire reads as pressed",
@@ -130,32 +129,30 @@ pub(in super::super) fn switches(bench: &mut Bench) -> Result<Outcome, StepError
         return Ok(Outcome::new("the arm is homed without switches", vec![]));
     }
     let home = bench.sample()?.home;
-    if let Some(joint) = [0, 1].into_iter().find(|&joint| home[joint]) {
+    if let Some(joint) = Joint::ALL.into_iter().find(|&joint| home[joint]) {
         return Err(stuck(joint));
     }
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         bench.ask(Task::PressSwitch(joint))?;
         let home = bench.sample()?.home;
         bench.ask(Task::ReleaseSwitches)?;
         if !home[joint] {
-            let other = number(1 - joint);
-            let (wrong, change) = if home[1 - joint] {
+            let other = joint.other();
+            let (wrong, change) = if home[other] {
                 (
-                    format!(
-                        "the home switches are swapped: that of joint {other} reads as pressed"
-                    ),
+                    format!("the home switches are swapped: that of {other} reads as pressed"),
                     "exchange the switches' wires at the board",
                 )
             } else {
                 (
-                    format!("the home switch of joint {} is stuck open", number(joint)),
+                    format!("the home switch of {joint} is stuck open"),
                     "check the switch: its contact must open when it is pressed",
                 )
             };
             return Err(StepError::wrong(wrong, change));
         }
         let after = bench.sample()?.home;
-        if let Some(joint) = [0, 1].into_iter().find(|&joint| after[joint]) {
+        if let Some(joint) = Joint::ALL.into_iter().find(|&joint| after[joint]) {
             return Err(stuck(joint));
         }
     }
@@ -168,7 +165,7 @@ pub(in super::super) fn switches(bench: &mut Bench) -> Result<Outcome, StepError
 /// Each joint's encoder counts in its direction, as many counts as the robot file says.
 pub(in super::super) fn encoders(bench: &mut Bench) -> Result<Outcome, StepError> {
     let mut values = Vec::new();
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         // Away from the switch.
         let away = if bench.settings.axes[joint].home_forward {
             -TURN
@@ -180,12 +177,12 @@ pub(in super::super) fn encoders(bench: &mut Bench) -> Result<Outcome, StepError
         let after = bench.sample()?.counts;
         bench.ask(Task::Turn(joint, -away))?;
         let mut turned = [0.0; 2];
-        for (index, turned) in turned.iter_mut().enumerate() {
-            let counts = f64::from(after[index].wrapping_sub(before[index]));
-            *turned = counts * TAU / bench.counts_per_turn(index)?;
+        for (joint, turned) in Joint::ALL.into_iter().zip(&mut turned) {
+            let counts = f64::from(after[joint].wrapping_sub(before[joint]));
+            *turned = counts * TAU / bench.counts_per_turn(joint)?;
         }
         judge_turn(bench, joint, away, turned)?;
-        let name = format!("counts{}_share", number(joint));
+        let name = format!("counts{}_share", joint.number());
         let origin = "counts over 45° by hand, over those of the robot file";
         values.push(Value::new(name, turned[joint] / away, origin));
     }
@@ -196,13 +193,13 @@ pub(in super::super) fn encoders(bench: &mut Bench) -> Result<Outcome, StepError
     ))
 }
 
-fn judge_turn(bench: &Bench, joint: usize, by: f64, turned: [f64; 2]) -> Result<(), StepError> {
-    let (own, other) = (turned[joint], turned[1 - joint]);
-    let (this, that) = (number(joint), number(1 - joint));
+fn judge_turn(bench: &Bench, joint: Joint, by: f64, turned: [f64; 2]) -> Result<(), StepError> {
+    let other_joint = joint.other();
+    let (own, other) = (turned[joint], turned[other_joint]);
     if own.abs() < STILL && other.abs() > STILL {
         return Err(StepError::wrong(
             format_args!(
-                "the encoders are swapped: joint {this} was turned and that of joint {that} counts"
+                "the encoders are swapped: {joint} was turned and that of {other_joint} counts"
             ),
             "exchange the encoders' plugs",
         ));
@@ -210,14 +207,14 @@ fn judge_turn(bench: &Bench, joint: usize, by: f64, turned: [f64; 2]) -> Result<
     if own.abs() < STILL {
         return Err(StepError::wrong(
             format_args!(
-                "the encoder of joint {this} is dead: the joint was turned and it does not count"
+                "the encoder of {joint} is dead: the joint was turned and it does not count"
             ),
             "check its supply, both channels and its plug",
         ));
     }
     if own * by < 0.0 {
         return Err(StepError::wrong(
-            format_args!("the encoder of joint {this} is reversed: it counts backwards"),
+            format_args!("the encoder of {joint} is reversed: it counts backwards"),
             "exchange its channels A and B; if motor and joint turn against each other, give a \
              negative gear_ratio",
         ));
@@ -227,7 +224,7 @@ fn judge_turn(bench: &Bench, joint: usize, by: f64, turned: [f64; 2]) -> Result<
         let counts = share * bench.counts_per_turn(joint)?.abs();
         return Err(StepError::wrong(
             format_args!(
-                "the counts or the gear ratio of joint {this} are wrong: it has {share:.2} times the \
+                "the counts or the gear ratio of {joint} are wrong: it has {share:.2} times the \
                  counts of the robot file, about {counts:.0} per turn of the joint"
             ),
             "correct encoder_counts (after quadrature: four times the lines) or gear_ratio",
@@ -235,7 +232,7 @@ fn judge_turn(bench: &Bench, joint: usize, by: f64, turned: [f64; 2]) -> Result<
     }
     if other.abs() > 0.5 * TURN {
         return Err(StepError::wrong(
-            format_args!("both encoders count when joint {this} is turned"),
+            format_args!("both encoders count when {joint} is turned"),
             "hold the other joint; if it did not move, check the encoders' wires for a bridge",
         ));
     }

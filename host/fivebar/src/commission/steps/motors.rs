@@ -3,10 +3,10 @@
 use super::super::bench::{Bench, Pulse};
 use super::super::finding::StepError;
 use super::super::log::LogRows;
-use super::super::operator::number;
 use super::super::record::Value;
 use super::Outcome;
 use fivebar_firmware::recorder::Signals;
+use fivebar_kinematics::five_bar::Joint;
 use std::f64::consts::TAU;
 
 /// Shares of the continuous current that are tried one after the other until a joint moves.
@@ -23,7 +23,7 @@ fn range(values: &[f64]) -> f64 {
 /// Current sensors and directions of both motors.
 pub(in super::super) fn directions(bench: &mut Bench) -> Result<Outcome, StepError> {
     let mut values = Vec::new();
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         let drive = bench.drive(joint)?;
         let mut done = false;
         for share in SHARES {
@@ -43,7 +43,7 @@ pub(in super::super) fn directions(bench: &mut Bench) -> Result<Outcome, StepErr
             })?;
             let last = share == SHARES[SHARES.len() - 1];
             if judge_pulse(bench, joint, &rows, last)? {
-                let name = format!("moving_share{}", number(joint));
+                let name = format!("moving_share{}", joint.number());
                 let origin = "share of the continuous current at which the joint moved";
                 values.push(Value::new(name, share, origin));
                 done = true;
@@ -59,14 +59,13 @@ pub(in super::super) fn directions(bench: &mut Bench) -> Result<Outcome, StepErr
 }
 
 /// Whether the joint has moved, as it should. With `last` it should have moved.
-fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Result<bool, StepError> {
-    let this = number(joint);
+fn judge_pulse(bench: &Bench, joint: Joint, rows: &LogRows, last: bool) -> Result<bool, StepError> {
     let mut turned = [0.0; 2];
-    for (index, turned) in turned.iter_mut().enumerate() {
+    for (index, turned) in Joint::ALL.into_iter().zip(&mut turned) {
         *turned = range(&rows.counts(index)) * TAU / bench.counts_per_turn(index)?;
     }
     // The greatest change of the current from its mean before the pulse, with its sign.
-    let currents = [0, 1].map(|index: usize| {
+    let currents = Joint::ALL.map(|index| {
         let codes = rows.current_codes(index);
         let zero = codes.iter().take(15).sum::<f64>() / 15.0;
         let duties = rows.duties(joint);
@@ -86,12 +85,12 @@ fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Resul
         .iter()
         .fold(0.0_f64, |most, duty| most.max(*duty));
     let expected = applied * bench.robot.supply.voltage / drive.resistance;
-    let (own, other) = (currents[joint], currents[1 - joint]);
+    let (own, other) = (currents[joint], currents[joint.other()]);
     let moved = turned.map(|turned| turned.abs() > MOVED);
     if own < -0.3 * expected {
         return Err(StepError::wrong(
             format_args!(
-                "the current sense of joint {this} is reversed: a positive voltage reads {own:.2} A"
+                "the current sense of {joint} is reversed: a positive voltage reads {own:.2} A"
             ),
             "exchange the current sensor's ends, or the motor's current path through it",
         ));
@@ -99,7 +98,7 @@ fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Resul
     if own.abs() < 0.3 * expected && other.abs() > 0.3 * expected {
         return Err(StepError::wrong(
             format_args!(
-                "the current sensors are swapped: the bridge of joint {this} shows in the other one"
+                "the current sensors are swapped: the bridge of {joint} shows in the other one"
             ),
             "exchange the current sensors' wires to the board",
         ));
@@ -108,7 +107,7 @@ fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Resul
         if moved[0] || moved[1] {
             return Err(StepError::wrong(
                 format_args!(
-                    "the current sensor of joint {this} is dead: its motor turns and it reads no current"
+                    "the current sensor of {joint} is dead: its motor turns and it reads no current"
                 ),
                 "check the sensor's supply and its wire to the board",
             ));
@@ -116,7 +115,7 @@ fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Resul
         if last {
             return Err(StepError::wrong(
                 format_args!(
-                    "the motor channel of joint {this} is dead: {:.1} V give no current",
+                    "the motor channel of {joint} is dead: {:.1} V give no current",
                     applied * bench.robot.supply.voltage
                 ),
                 "check the motor's leads, the bridge's supply and its enable wire",
@@ -124,11 +123,11 @@ fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Resul
         }
         return Ok(false);
     }
-    if moved[1 - joint] && turned[1 - joint].abs() > 2.0 * turned[joint].abs() {
+    if moved[joint.other()] && turned[joint.other()].abs() > 2.0 * turned[joint].abs() {
         return Err(StepError::wrong(
             format_args!(
-                "the motors are swapped: the bridge of joint {this} turns joint {}",
-                number(1 - joint)
+                "the motors are swapped: the bridge of {joint} turns {}",
+                joint.other()
             ),
             "exchange the motors' plugs at the bridges",
         ));
@@ -136,7 +135,7 @@ fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Resul
     if !moved[joint] {
         if last {
             return Err(StepError::wrong(
-                format_args!("joint {this} does not move at its motor's continuous current"),
+                format_args!("{joint} does not move at its motor's continuous current"),
                 "release the brake, check that gear and joint turn freely, and check \
                  continuous_current and the encoder",
             ));
@@ -147,9 +146,7 @@ fn judge_pulse(bench: &Bench, joint: usize, rows: &LogRows, last: bool) -> Resul
     let forwards = turned[joint] * drive.gear_ratio.signum();
     if forwards < 0.0 {
         return Err(StepError::wrong(
-            format_args!(
-                "the motor of joint {this} is reversed: a positive voltage turns it backwards"
-            ),
+            format_args!("the motor of {joint} is reversed: a positive voltage turns it backwards"),
             "exchange the motor's two leads",
         ));
     }

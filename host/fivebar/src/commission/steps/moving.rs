@@ -6,6 +6,7 @@ use super::super::log::LogRows;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::Move;
 use fivebar_firmware::recorder::{LogConfig, Signals};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_sim::drive::Drive;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -39,7 +40,7 @@ pub(super) fn logged(
         angle: [Vec::new(), Vec::new()],
         current: [Vec::new(), Vec::new()],
     };
-    for (joint, start) in start.into_iter().enumerate() {
+    for (joint, start) in Joint::ALL.into_iter().zip(start) {
         log.angle[joint] = angles(bench, joint, f64::from(start), &rows)?;
         log.current[joint] = currents(bench, joint, &rows)?;
     }
@@ -53,13 +54,13 @@ pub(super) fn follow(bench: &mut Bench, moves: &[Move]) -> Result<(), StepError>
     Ok(())
 }
 
-fn angles(bench: &Bench, joint: usize, start: f64, rows: &LogRows) -> Result<Vec<f64>, StepError> {
+fn angles(bench: &Bench, joint: Joint, start: f64, rows: &LogRows) -> Result<Vec<f64>, StepError> {
     let per_count = TAU / bench.counts_per_turn(joint)?;
     let counts = rows.counts(joint);
     Ok(counts.iter().map(|c| start + c * per_count).collect())
 }
 
-fn currents(bench: &Bench, joint: usize, rows: &LogRows) -> Result<Vec<f64>, StepError> {
+fn currents(bench: &Bench, joint: Joint, rows: &LogRows) -> Result<Vec<f64>, StepError> {
     let sign = bench.drive(joint)?.gear_ratio.signum();
     let per_code = sign * f64::from(bench.settings.axes[joint].current_per_code);
     let zero = bench.zeros[joint];
@@ -76,11 +77,11 @@ pub(super) fn tool(bench: &mut Bench) -> Result<[f32; 2], StepError> {
 /// θ1, θ4 [rad] with C at a place [m], within the limits of the angles; none if there are none.
 pub(super) fn joint_angles(robot: &Robot, place: Vector2<f64>) -> Option<[f64; 2]> {
     let angles = robot.geometry.inverse(place, robot.elbows).ok()?.angles();
-    let within = |joint: usize| {
+    let within = |joint: Joint| {
         let [least, greatest] = robot.limits.angle[joint];
-        let turns = [0.0, TAU, -TAU].map(|turn| angles[3 * joint] + turn);
+        let turns = [0.0, TAU, -TAU].map(|turn| angles[3 * joint.index()] + turn);
         let inside = |angle: &f64| (least..=greatest).contains(angle);
         turns.into_iter().find(inside)
     };
-    Some([within(0)?, within(1)?])
+    Some([within(Joint::Joint1)?, within(Joint::Joint4)?])
 }

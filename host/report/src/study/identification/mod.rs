@@ -12,6 +12,7 @@ use fivebar_design::identification::{
     standard_parameters, validate,
 };
 use fivebar_files::robot::{HomeError, Measured, MeasuredKey, MissingMasses, Robot};
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
 /// Why a robot cannot be identified, or an excitation not be proposed.
@@ -137,7 +138,7 @@ fn observed(robot: &Robot) -> Result<Observed<'_>, StudyError> {
         mode: robot.elbows,
         gravity: robot.gravity,
         torque_per_ampere,
-        current_limit: [0, 1].map(|joint| {
+        current_limit: Joint::ALL.map(|joint| {
             let stated = robot
                 .limits
                 .max_torque
@@ -174,17 +175,17 @@ fn bounds(robot: &Robot) -> Result<Bounds, StudyError> {
     let best = robot.geometry.inverse(Vector2::from(middle), robot.elbows);
     let angles = best.unwrap_or(home).angles();
     let limits = &robot.limits;
-    let stated = |joint: usize| {
+    let stated = |joint: Joint| {
         limits
             .max_torque
             .map_or(f64::INFINITY, |torque| torque[joint])
     };
-    let peak = [0, 1].map(|joint| actuators[joint].peak_torque().min(stated(joint)));
-    let continuous = [0, 1].map(|joint: usize| {
+    let peak = Joint::ALL.map(|joint| actuators[joint].peak_torque().min(stated(joint)));
+    let continuous = Joint::ALL.map(|joint| {
         let actuator = &actuators[joint];
         peak[joint] * (actuator.continuous_current / actuator.peak_current).min(1.0)
     });
-    let within = |joint: usize, angle: f64| {
+    let within = |joint: Joint, angle: f64| {
         let [least, greatest] = limits.angle[joint];
         let turns = [0.0, 1.0, -1.0].map(|turn| angle + turn * std::f64::consts::TAU);
         let inside = |angle: &f64| least <= *angle && *angle <= greatest;
@@ -207,19 +208,23 @@ fn bounds(robot: &Robot) -> Result<Bounds, StudyError> {
         torque: peak.map(|torque| torque * 2.0 / 3.0),
         torque_rms: continuous.map(|torque| 0.8 * torque),
         margin: limits.singularity_margin.max(0.3),
-        middle: [within(0, angles[0]), within(1, angles[3])],
+        middle: [
+            within(Joint::Joint1, angles[0]),
+            within(Joint::Joint4, angles[3]),
+        ],
     })
 }
 
 /// The values of the robot file that follow from an identification: the friction of both joints
 /// and, if the file has masses, masses with the measured torques.
 pub fn measured(robot: &Robot, found: &Identification) -> Vec<Measured> {
-    let friction = |joint: usize, name: &'static str, value: f64, sd: f64| Measured {
+    let friction = |joint: Joint, name: &'static str, value: f64, sd: f64| Measured {
         key: MeasuredKey::Actuator(joint, name),
         value: format!("{:.6e}", value.max(0.0)),
         origin: format!("± {sd:.1e} by identification"),
     };
-    let mut values: Vec<Measured> = (0..2)
+    let mut values: Vec<Measured> = Joint::ALL
+        .into_iter()
         .flat_map(|joint| {
             let (viscous, coulomb) = (found.viscous[joint], found.coulomb[joint]);
             let (viscous_sd, coulomb_sd) = (found.viscous_sd[joint], found.coulomb_sd[joint]);
