@@ -8,7 +8,7 @@
 
 use fivebar_kinematics::control::{Integral, PositionLoop};
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Geometry, Joint, PoseError, Side, WorkingMode};
 use fivebar_kinematics::nalgebra::{Vector2, Vector4};
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -62,11 +62,12 @@ fn worst_error(model: &Arm<f64>, plant: &Arm<f64>, bandwidth: f64) -> Result<f64
     let mut worst = 0.0_f64;
     for tick in 0..2000 {
         let (c, [theta, omega, alpha]) = reference(model, f64::from(tick) * PERIOD)?;
-        let demand = |joint: usize, position: f64, rate: f64| {
+        let demand = |joint: Joint, position: f64, rate: f64| {
             let (error, error_rate) = (theta[joint] - position, omega[joint] - rate);
             gains.acceleration(Integral(0.0), alpha[joint], error, error_rate)
         };
-        let (alpha1, alpha4) = (demand(0, state.x, state.z), demand(1, state.y, state.w));
+        let alpha1 = demand(Joint::Joint1, state.x, state.z);
+        let alpha4 = demand(Joint::Joint4, state.y, state.w);
 
         // The torque for that demand, at the measured state.
         let pose = geometry.forward(state.x, state.y, Side::Left)?;

@@ -5,6 +5,7 @@
 use fivebar::serve::{Guard, ServeError, ServeOptions, serve};
 use fivebar_files::robot::Robot;
 use fivebar_firmware::safety::State;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{Mismatch, Plant};
 use fivebar_sim::controller::ControllerSource;
 use fivebar_sim::link::{Client, Loopback, SerialLine};
@@ -191,7 +192,7 @@ fn board() -> (Until<()>, String) {
     let robot = benchtop();
     let settings = robot.settings().expect("masses");
     // A little before the home switches, so that homing is short.
-    let before = |joint: usize| {
+    let before = |joint: Joint| {
         let sign = if settings.axes[joint].home_forward {
             -1.0
         } else {
@@ -199,7 +200,7 @@ fn board() -> (Until<()>, String) {
         };
         0.03 * sign
     };
-    let pose = robot.pose_near_home([before(0), before(1)]);
+    let pose = robot.pose_near_home(Joint::ALL.map(before));
     let mut plant = Plant::new(
         &robot.plant_parameters().expect("masses"),
         &Mismatch::default(),

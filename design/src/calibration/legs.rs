@@ -11,6 +11,7 @@ use super::measurements::Touch;
 use super::parameters::{Parameters, within_a_turn};
 use crate::fit::{Loss, Rows, median, minimise};
 use fivebar_kinematics::PlanarVector;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::{DMatrix, DVector, Vector2};
 
 /// One leg on the plate.
@@ -31,7 +32,7 @@ pub(super) const LEAST_FOR_LEGS: usize = 7;
 
 impl Leg {
     /// From the linear equations of at least seven holes; none if they do not give a leg.
-    fn linear(touches: &[Touch], joint: usize) -> Option<Self> {
+    fn linear(touches: &[Touch], joint: Joint) -> Option<Self> {
         let middle = middle(touches);
         let mut a = DMatrix::zeros(touches.len(), 7);
         let mut b = DVector::zeros(touches.len());
@@ -83,12 +84,12 @@ impl Leg {
     }
 
     /// ρ = |P − G − la u(θ+ψ)| − lb [m].
-    fn residual(&self, touch: &Touch, joint: usize) -> f64 {
+    fn residual(&self, touch: &Touch, joint: Joint) -> f64 {
         (touch.hole - self.elbow(touch.encoder[joint])).norm() - self.coupler
     }
 
     /// The leg with the least loss of ρ near this one.
-    fn refined(&self, touches: &[Touch], joint: usize, loss: Loss) -> (Self, f64) {
+    fn refined(&self, touches: &[Touch], joint: Joint, loss: Loss) -> (Self, f64) {
         let rows = |x: &DVector<f64>| -> Option<Rows> {
             let leg = Self::of(x);
             let mut residuals = DVector::zeros(touches.len());
@@ -134,12 +135,12 @@ pub(super) fn middle(touches: &[Touch]) -> Vector2<f64> {
     sum / (touches.len().max(1) as f64)
 }
 
-/// The leg of a joint (0: joint 1, 1: joint 4) that fits the holes. The linear start is made of
+/// The leg of a joint that fits the holes. The linear start is made of
 /// all holes and of samples of them, so that a few wrong holes do not spoil it.
 pub(super) fn leg(
     touches: &[Touch],
     samples: &[Vec<Touch>],
-    joint: usize,
+    joint: Joint,
     loss: Loss,
 ) -> Option<Leg> {
     let typical = |leg: &Leg| {

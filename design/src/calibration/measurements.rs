@@ -1,7 +1,7 @@
 //! What can be measured: touches of a plate with known holes, distances, unknown holes, photographs.
 
 use super::error::CalibrationError;
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Joint, Side};
 use nalgebra::Vector2;
 
 /// The tip in a hole.
@@ -145,13 +145,11 @@ impl Measurements {
 pub(super) fn different(encoders: impl Iterator<Item = [f64; 2]>) -> usize {
     let mut found: Vec<[f64; 2]> = Vec::new();
     for pose in encoders {
-        let turned = |other: &[f64; 2], joint: usize| {
+        let same = |other: &[f64; 2], joint: Joint| {
             (0.5 * (pose[joint] - other[joint])).sin().abs() < 1e-3
         };
-        if !found
-            .iter()
-            .any(|other| turned(other, 0) && turned(other, 1))
-        {
+        let is_found = |other| Joint::ALL.into_iter().all(|joint| same(other, joint));
+        if !found.iter().any(is_found) {
             found.push(pose);
         }
     }

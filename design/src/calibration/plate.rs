@@ -9,7 +9,7 @@ use super::start::{placed, samples};
 use super::tip::{on_plate, posed, tip};
 use crate::fit::{Loss, Rows, median, minimise};
 use core::f64::consts::{FRAC_PI_2, PI};
-use fivebar_kinematics::five_bar::{Geometry, Side};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
 
 /// An arm as calibrated.
@@ -145,8 +145,8 @@ fn legs_start(plate: &Plate) -> Option<(Parameters, Side)> {
     }
     let samples = samples(touches);
     let loss = loss_of(plate);
-    let leg1 = leg(touches, &samples, 0, loss)?;
-    let leg4 = leg(touches, &samples, 1, loss)?;
+    let leg1 = leg(touches, &samples, Joint::Joint1, loss)?;
+    let leg4 = leg(touches, &samples, Joint::Joint4, loss)?;
     let left = |touch: &&Touch| {
         let (b, d) = (leg1.elbow(touch.encoder[0]), leg4.elbow(touch.encoder[1]));
         (d - b).perp(&(touch.hole - b)) > 0.0

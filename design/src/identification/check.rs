@@ -3,7 +3,7 @@
 use super::error::IdentificationError;
 use super::log::{Log, Observed};
 use core::f64::consts::TAU;
-use fivebar_kinematics::five_bar::Geometry;
+use fivebar_kinematics::five_bar::{Geometry, Joint};
 
 /// The most rows that are read: five minutes at 10 kHz.
 const MOST_ROWS: usize = 3_000_000;
@@ -59,8 +59,7 @@ pub(super) fn check_motion(
     observed: &Observed<'_>,
 ) -> Result<[Vec<f64>; 2], IdentificationError> {
     let mut angles = [Vec::new(), Vec::new()];
-    for joint in 0..2 {
-        let number = [1, 4][joint];
+    for joint in Joint::ALL {
         let mut turns = 0.0;
         let mut last = log.angles[0][joint];
         let own: &mut Vec<f64> = &mut angles[joint];
@@ -69,7 +68,7 @@ pub(super) fn check_motion(
             turns -= (step / TAU).round() * TAU;
             // 0.3 rad in a tick are 3,000 rad/s at 10 kHz.
             if (step - (step / TAU).round() * TAU).abs() > 0.3 {
-                return Err(IdentificationError::Jump(number, row));
+                return Err(IdentificationError::Jump(joint, row));
             }
             last = angle[joint];
             own.push(angle[joint] + turns);
@@ -77,7 +76,7 @@ pub(super) fn check_motion(
         let least = own.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if greatest - least < 0.02 {
-            return Err(IdentificationError::Still(number, greatest - least));
+            return Err(IdentificationError::Still(joint, greatest - least));
         }
         let limit = 0.995 * observed.current_limit[joint];
         let at_limit = log.currents.iter().filter(|row| row[joint].abs() >= limit);
@@ -87,7 +86,7 @@ pub(super) fn check_motion(
             .windows(5)
             .any(|rows| rows.iter().all(|row| row[joint].abs() >= limit));
         if in_a_row || 1000 * at_limit > log.currents.len() {
-            return Err(IdentificationError::Saturated(number, at_limit));
+            return Err(IdentificationError::Saturated(joint, at_limit));
         }
     }
     Ok(angles)

@@ -1,6 +1,7 @@
 //! Why a log is refused.
 
 use core::fmt;
+use fivebar_kinematics::five_bar::Joint;
 
 /// Why a log does not identify an arm.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,11 +18,11 @@ pub enum IdentificationError {
     /// The rows come at the first rate, the robot file gives the second [Hz].
     Rate(f64, f64),
     /// The angle of this joint jumps behind this row, from 1.
-    Jump(usize, usize),
+    Jump(Joint, usize),
     /// This joint turns by this angle [rad] only.
-    Still(usize, f64),
+    Still(Joint, f64),
     /// The current of this joint is at its limit in this many rows.
-    Saturated(usize, usize),
+    Saturated(Joint, usize),
     /// The angles are those of the other joints.
     SwappedAngles,
     /// In this share of the rows the arm has no pose in its working mode.
@@ -37,7 +38,7 @@ pub enum IdentificationError {
     /// This share of the torques of a second log is not predicted.
     Unpredicted(f64),
     /// This share of the torque of this joint is not explained.
-    Unexplained(usize, f64),
+    Unexplained(Joint, f64),
 }
 
 impl fmt::Display for IdentificationError {
@@ -61,16 +62,16 @@ impl fmt::Display for IdentificationError {
                  {wanted:.1} Hz: record every tick, or correct the file"
             ),
             Self::Jump(joint, row) => {
-                write!(f, "the angle of joint {joint} jumps behind row {row}")
+                write!(f, "the angle of {joint} jumps behind row {row}")
             }
             Self::Still(joint, range) => write!(
                 f,
-                "joint {joint} never moves (its angle changes by {:.2} mrad): excite both joints",
+                "{joint} never moves (its angle changes by {:.2} mrad): excite both joints",
                 1e3 * range
             ),
             Self::Saturated(joint, rows) => write!(
                 f,
-                "the current of joint {joint} is saturated, at its limit in {rows} rows: use a \
+                "the current of {joint} is saturated, at its limit in {rows} rows: use a \
                  smaller or slower excitation"
             ),
             Self::SwappedAngles => f.write_str(
@@ -113,7 +114,7 @@ impl fmt::Display for IdentificationError {
             ),
             Self::Unexplained(joint, share) => write!(
                 f,
-                "{:.0} % of the torque of joint {joint} stays unexplained by masses and friction: \
+                "{:.0} % of the torque of {joint} stays unexplained by masses and friction: \
                  the columns, the torque constant's joint, the lengths or the zeros are wrong",
                 1e2 * share
             ),

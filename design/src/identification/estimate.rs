@@ -6,6 +6,7 @@ use super::least_squares::{Solution, scales, solve};
 use super::log::{Log, Observed};
 use super::processing::systems;
 use super::regressor::{BASE_NAMES, Regressor};
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
 /// Values with their standard deviations, which allow for the filtered noise being correlated.
@@ -93,10 +94,9 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
     if !as_given {
         return Err(IdentificationError::Reversed);
     }
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         if found.share[joint] > GREATEST_SHARE {
-            let number = [1, 4][joint];
-            return Err(IdentificationError::Unexplained(number, found.share[joint]));
+            return Err(IdentificationError::Unexplained(joint, found.share[joint]));
         }
     }
     let (value, sd) = (&found.value, &found.sd);
@@ -157,8 +157,8 @@ impl Columns {
     }
 
     fn torques(self, log: &Log, observed: &Observed<'_>) -> [Vec<f64>; 2] {
-        [0, 1].map(|joint: usize| {
-            let from = if self.currents { 1 - joint } else { joint };
+        Joint::ALL.map(|joint| {
+            let from = if self.currents { joint.other() } else { joint };
             let factor = observed.torque_per_ampere[joint];
             log.currents.iter().map(|row| factor * row[from]).collect()
         })
@@ -170,7 +170,7 @@ fn name(index: usize, base: usize) -> String {
         None => BASE_NAMES[index].into(),
         Some(rest) => {
             let what = ["viscous friction", "Coulomb friction", "offset"][rest / 2];
-            format!("{what} of joint {}", [1, 4][rest % 2])
+            format!("{what} of {}", Joint::ALL[rest % 2])
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Excitation trajectories as finite Fourier series (Swevers 1997).
 
+use fivebar_kinematics::five_bar::Joint;
+
 /// Harmonics of a trajectory.
 pub const HARMONICS: usize = 5;
 
@@ -18,8 +20,9 @@ impl Excitation {
     /// Angles, velocities and accelerations of both joints at a time [s].
     pub fn at(&self, time: f64) -> [[f64; 2]; 3] {
         let base = core::f64::consts::TAU / self.period;
-        let of = |joint: usize| {
-            let own = &self.coefficients[11 * joint..11 * (joint + 1)];
+        let [joint1, joint4] = Joint::ALL.map(|joint| {
+            let from = 11 * joint.index();
+            let own = &self.coefficients[from..from + 11];
             let mut motion = [own[0], 0.0, 0.0];
             for k in 1..=HARMONICS {
                 let rate = base * k as f64;
@@ -30,8 +33,7 @@ impl Excitation {
                 motion[2] += rate * (b * cos - a * sin);
             }
             motion
-        };
-        let (joint1, joint4) = (of(0), of(1));
+        });
         [0, 1, 2].map(|derivative: usize| [joint1[derivative], joint4[derivative]])
     }
 }

@@ -1,6 +1,7 @@
 //! Weighted least squares with deviations that allow for correlated residuals.
 
 use super::processing::System;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::{DMatrix, DVector};
 
 /// The solution of a system.
@@ -29,7 +30,7 @@ const LAGS: usize = 24;
 /// of its residual.
 pub(super) fn solve(system: &System, scales: &DVector<f64>) -> Option<Solution> {
     let unknowns = scales.len();
-    let scaled = [0, 1].map(|joint: usize| {
+    let scaled = Joint::ALL.map(|joint| {
         let mut matrix = system.matrix[joint].clone();
         for (mut column, scale) in matrix.column_iter_mut().zip(scales.iter()) {
             column *= *scale;
@@ -53,7 +54,7 @@ pub(super) fn solve(system: &System, scales: &DVector<f64>) -> Option<Solution> 
         value = normal
             .cholesky()?
             .solve(&(&right[0] * weight[0] + &right[1] * weight[1]));
-        for joint in 0..2 {
+        for joint in Joint::ALL {
             let residual = &system.torque[joint] - &scaled[joint] * &value;
             rms[joint] = (residual.norm_squared() / residual.len() as f64).sqrt();
             weight[joint] = 1.0 / (rms[joint] * rms[joint]).max(1e-18);
@@ -67,7 +68,7 @@ pub(super) fn solve(system: &System, scales: &DVector<f64>) -> Option<Solution> 
     let sd = DVector::from_fn(unknowns, |i, _| {
         covariance[(i, i)].max(0.0).sqrt() * scales[i]
     });
-    let share = [0, 1].map(|joint: usize| {
+    let share = Joint::ALL.map(|joint| {
         let torque = &system.torque[joint];
         let mean = torque.mean();
         let size = torque.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();

@@ -1,6 +1,6 @@
 //! A log of an arm's motion, and what is known of the arm.
 
-use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Side, WorkingMode};
 use nalgebra::Vector2;
 
 /// A log with a row for every tick.
@@ -18,7 +18,7 @@ pub struct Log {
 impl Log {
     /// The torques at the joints [N·m].
     pub(super) fn torques(&self, observed: &Observed<'_>) -> [Vec<f64>; 2] {
-        [0, 1].map(|joint: usize| {
+        Joint::ALL.map(|joint| {
             let factor = observed.torque_per_ampere[joint];
             self.currents
                 .iter()

@@ -13,6 +13,7 @@ use super::least_squares::{Solution, solve};
 use super::log::{Log, Observed};
 use super::processing::{System, systems};
 use fivebar_kinematics::dynamics::Arm;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::{DMatrix, DVector};
 
 /// A payload found by its inertia, and its weight if gravity is in the plane.
@@ -63,14 +64,14 @@ pub fn identify_payload(
     if found.sd[0] > UNIT || found.value[0] < -found.sd[0] - 0.01 * UNIT {
         return Err(IdentificationError::NoPayload(found.value[0], found.sd[0]));
     }
-    for (joint, rms) in found.rms.into_iter().enumerate() {
+    for (joint, rms) in Joint::ALL.into_iter().zip(found.rms) {
         let torque = &systems[0].torque[joint];
         let share = rms
             / (torque.norm_squared() / torque.len() as f64)
                 .sqrt()
                 .max(1e-12);
         if share > GREATEST_SHARE {
-            return Err(IdentificationError::Unexplained([1, 4][joint], share));
+            return Err(IdentificationError::Unexplained(joint, share));
         }
     }
     Ok(Payload {
@@ -92,14 +93,14 @@ fn of_one_kilogram(lengths: [f64; 5]) -> [f64; 11] {
 /// The system with one column for the payload in place of those of the base parameters.
 fn reduced(system: &System, known: &DVector<f64>, added: &DVector<f64>) -> System {
     let count = known.len();
-    let base = |joint: usize| system.matrix[joint].columns(0, count);
-    let matrix = [0, 1].map(|joint: usize| {
+    let base = |joint: Joint| system.matrix[joint].columns(0, count);
+    let matrix = Joint::ALL.map(|joint| {
         let rest = system.matrix[joint].columns(count, 6);
         let mut own = DMatrix::zeros(rest.nrows(), 7);
         own.set_column(0, &(base(joint) * added));
         own.columns_mut(1, 6).copy_from(&rest);
         own
     });
-    let torque = [0, 1].map(|joint| &system.torque[joint] - base(joint) * known);
+    let torque = Joint::ALL.map(|joint| &system.torque[joint] - base(joint) * known);
     System { matrix, torque }
 }

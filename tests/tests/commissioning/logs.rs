@@ -8,7 +8,7 @@ use fivebar_design::identification::{
 };
 use fivebar_files::robot::Robot;
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Joint, Side, WorkingMode};
 use nalgebra::Vector2;
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -93,7 +93,7 @@ pub(crate) fn log(setup: &Setup, periods: f64, noisy: f64) -> Log {
                 .arm
                 .inverse_dynamics(&pose, &velocities, &accelerations, Vector2::zeros());
         let torque = torque.unwrap();
-        let current = |joint: usize, noise: &mut Noise| {
+        let current = |joint: Joint, noise: &mut Noise| {
             let x = omega[joint] / 0.02;
             let friction =
                 VISCOUS[joint] * omega[joint] + COULOMB[joint] * x / (1.0 + x * x).sqrt();
@@ -110,7 +110,7 @@ pub(crate) fn log(setup: &Setup, periods: f64, noisy: f64) -> Log {
         log.times.push(time);
         log.angles.push(q.map(angle));
         log.currents
-            .push([current(0, &mut noise), current(1, &mut noise)]);
+            .push(Joint::ALL.map(|joint| current(joint, &mut noise)));
     }
     log
 }
@@ -175,7 +175,7 @@ fn bad_logs_are_refused_with_their_reason() {
     let swap = |rows: &mut Vec<[f64; 2]>| rows.iter_mut().for_each(|row| row.swap(0, 1));
     assert_eq!(
         refusal(&|log| log.angles.iter_mut().for_each(|row| row[1] = 0.8)),
-        IdentificationError::Still(4, 0.0)
+        IdentificationError::Still(Joint::Joint4, 0.0)
     );
     let saturated = refusal(&|log| {
         for row in &mut log.currents {
@@ -183,7 +183,7 @@ fn bad_logs_are_refused_with_their_reason() {
         }
     });
     assert!(
-        matches!(saturated, IdentificationError::Saturated(1, _)),
+        matches!(saturated, IdentificationError::Saturated(Joint::Joint1, _)),
         "{saturated}"
     );
     let gap = refusal(&|log| {
@@ -195,7 +195,7 @@ fn bad_logs_are_refused_with_their_reason() {
     let rate = refusal(&|log| log.times.iter_mut().for_each(|time| *time *= 2.0));
     assert!(matches!(rate, IdentificationError::Rate(..)), "{rate}");
     let jump = refusal(&|log| log.angles[900..].iter_mut().for_each(|row| row[0] += 1.0));
-    assert_eq!(jump, IdentificationError::Jump(1, 900));
+    assert_eq!(jump, IdentificationError::Jump(Joint::Joint1, 900));
     assert_eq!(
         refusal(&|log| swap(&mut log.angles)),
         IdentificationError::SwappedAngles

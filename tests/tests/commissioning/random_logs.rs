@@ -6,7 +6,7 @@ use fivebar_design::identification::{
     standard_parameters,
 };
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Tool, WorkingMode, Workspace};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Pose, Side, Tool, WorkingMode, Workspace};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -112,7 +112,7 @@ fn random_arms_are_identified(gravity: Vector2<f64>, seed: u64) {
             log.times.push(time);
             log.angles
                 .push(q.map(|q| ((q / step).floor() + 0.5) * step));
-            log.currents.push([0, 1].map(|joint: usize| {
+            log.currents.push(Joint::ALL.map(|joint| {
                 let friction = 1.5e-3 * omega[joint] + 9e-3 * smooth_sign(omega[joint], done);
                 (torque[joint] + friction) / 0.2 + 5e-3 * noise.normal()
             }));

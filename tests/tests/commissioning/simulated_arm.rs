@@ -6,7 +6,7 @@ use fivebar_design::identification::{
 };
 use fivebar_files::robot::Robot;
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Joint, Side};
 use fivebar_plant::Mismatch;
 use fivebar_report::study::identification::{identify_robot, propose_for};
 use fivebar_sim::excitation::excite;
@@ -103,7 +103,7 @@ fn judged(robot: &Robot, upright: bool, found: &Identification) {
             found.coulomb
         );
     }
-    let friction = [0, 1].map(|joint: usize| [found.viscous[joint], found.coulomb[joint]]);
+    let friction = Joint::ALL.map(|joint| [found.viscous[joint], found.coulomb[joint]]);
     let (after, whole) = misprediction(robot, upright, &found.base, friction);
     let drawn = robot.arm().unwrap();
     let base = base_parameters(robot.geometry.lengths(), &standard_parameters(drawn));

@@ -5,6 +5,7 @@ use fivebar_design::servo::Servo;
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::settings::EncoderTable;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Mismatch;
 use fivebar_sim::link::InProcess;
 use fivebar_sim::simulation::{Record, Sample, Simulate};
@@ -50,12 +51,13 @@ fn run(robot: Robot, job: &str) -> Record {
 
 /// Greatest less least torque of either joint [N·m].
 fn peak_to_peak(samples: &[Sample]) -> f64 {
-    let range = |joint: usize| {
+    let range = |joint: Joint| {
         let torque = samples.iter().map(|sample| sample.torque[joint]);
         let greatest = torque.clone().fold(f64::NEG_INFINITY, f64::max);
         greatest - torque.fold(f64::INFINITY, f64::min)
     };
-    range(0).max(range(1))
+    let [range1, range4] = Joint::ALL.map(range);
+    range1.max(range4)
 }
 
 #[test]

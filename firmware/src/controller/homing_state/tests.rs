@@ -362,7 +362,7 @@ fn what_is_found_slowly_is_found_at_the_creeping_share_of_the_speed() {
         let mut search = search(phase, false);
         let config = HomingConfig {
             index: Some(1.0),
-            ..config.clone()
+            ..config
         };
         search.step(&config, false, 0.1, 7, 1e-3).unwrap();
         assert!((search.rate - rate).abs() < 1e-6, "{}", search.rate);

@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Settings};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
 use fivebar_sim::link::{Loopback, Target};
@@ -17,14 +18,14 @@ pub(crate) fn plant() -> Plant {
 }
 
 fn plant_of(robot: &Robot) -> Plant {
-    let before = |joint: usize| match robot.settings().expect("the robot has masses").axes[joint]
+    let before = |joint: Joint| match robot.settings().expect("the robot has masses").axes[joint]
         .home_forward
     {
         true => -0.03,
         false => 0.03,
     };
     let pose = robot
-        .pose_near_home([before(0), before(1)])
+        .pose_near_home(Joint::ALL.map(before))
         .expect("a reachable pose");
     Plant::new(
         &robot.plant_parameters().expect("the robot has masses"),

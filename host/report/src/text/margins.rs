@@ -1,6 +1,7 @@
 //! The margins of a loop as text.
 
 use crate::study::margins::MarginsStudy;
+use fivebar_kinematics::five_bar::Joint;
 use std::fmt::Write as _;
 
 /// What the loop is, how far it is from instability, and where.
@@ -47,11 +48,11 @@ pub fn margins(study: &MarginsStudy<'_>) -> String {
         margins.phase.to_degrees(),
         1e6 * margins.delay,
     );
-    for (joint, resonance) in [1, 4].into_iter().zip(study.resonance) {
+    for (joint, resonance) in Joint::ALL.into_iter().zip(study.resonance) {
         if let Some(frequency) = resonance {
             let _ = writeln!(
                 text,
-                "  drive of joint {joint}    free frequency {frequency:.0} Hz"
+                "  drive of {joint}    free frequency {frequency:.0} Hz"
             );
         }
     }

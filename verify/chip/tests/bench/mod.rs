@@ -73,7 +73,7 @@ pub(crate) fn arm_in(robot: &Robot, pose: &Pose<f64>, wake: Time) -> SharedArm {
 /// The arm, 0.03 rad before its home switches.
 pub(crate) fn arm(wake: Time) -> SharedArm {
     let robot = robot();
-    let before = [0, 1].map(|joint: usize| match settings().axes[joint].home_forward {
+    let before = Joint::ALL.map(|joint| match settings().axes[joint].home_forward {
         true => -0.03,
         false => 0.03,
     });

@@ -13,6 +13,7 @@ use crate::html::{Chart, Page, Point};
 use crate::text::quantity;
 use fivebar_files::job::Job;
 use fivebar_files::robot::Robot;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_sim::simulation::{Sample, Summary, Trace};
 
 /// The content of a run's report.
@@ -164,9 +165,9 @@ impl RunReport<'_> {
                 summary.saturated_ticks.to_string(),
             ),
         ];
-        for (joint, torque) in [1, 4].into_iter().zip(summary.peak_torque_nm) {
+        for (joint, torque) in Joint::ALL.into_iter().zip(summary.peak_torque_nm) {
             rows.push(row(
-                &format!("peak torque, joint {joint}"),
+                &format!("peak torque, {joint}"),
                 quantity(torque, "N·m"),
             ));
         }
