@@ -26,6 +26,7 @@ licences() { scripts/licences.sh; }
 advisories() { scripts/advisories.sh || { [ $? -eq 77 ] && not_checked+=(advisories); }; }
 actions() { scripts/actions.sh; }
 links() { scripts/links.py; }
+arrows() { scripts/arrows.py; }
 words() { scripts/words.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 # What needs a feature of the program has a word in its name by which it is chosen.
@@ -76,7 +77,7 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
+all=(format file_lengths words links arrows actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${all[@]}")
 

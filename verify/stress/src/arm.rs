@@ -1,18 +1,8 @@
 //! The arm of the sessions.
 
 use crate::orders;
-use fivebar_firmware::CrossingMove;
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use fivebar_plant::{Mismatch, Parameters, Plant};
-
-/// A crossing that `fivebar plan --crossing` has planned for the arm that crosses.
-pub(crate) const CROSSING: CrossingMove = CrossingMove {
-    from: [0.06, 0.115],
-    to: [0.03, 0.012],
-    duration: 0.3,
-    crosses_at: 0.165,
-    law: [-3.770_132_3, -7.055_689, 0.061_562_1],
-};
 
 /// θ1, θ4 at the start of a session with these flags [rad]; of an arm that crosses, those where the
 /// crossing begins.

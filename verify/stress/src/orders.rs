@@ -1,16 +1,23 @@
 //! What happens in a session, one event after the other.
 
-use crate::arm::CROSSING;
 use crate::bytes::Bytes;
 use crate::samples::Hostile;
-use crate::sections::{key, section};
-use crate::timed::TimedRun;
+use crate::sections::{key, section, tool_output};
+use crate::timed::{TimedRun, Tool};
 use fivebar_firmware::controller::{Excitation, Excited};
 use fivebar_firmware::protocol::{HostCommand, VERSION};
 use fivebar_firmware::recorder::LogConfig;
-use fivebar_firmware::settings::ToolOutputSettings;
 use fivebar_firmware::{CrossingMove, MoveKind, Request, SensorSample, Settings};
 use fivebar_plant::FaultKind;
+
+/// A crossing that `fivebar plan --crossing` has planned for the arm that crosses.
+pub(crate) const CROSSING: CrossingMove = CrossingMove {
+    from: [0.06, 0.115],
+    to: [0.03, 0.012],
+    duration: 0.3,
+    crosses_at: 0.165,
+    law: [-3.770_132_3, -7.055_689, 0.061_562_1],
+};
 
 /// An event of a session.
 #[derive(Clone, Debug)]
@@ -48,9 +55,6 @@ pub(crate) enum Event {
     /// From now on the planner runs once in this many ticks.
     Planner(u8),
 }
-
-/// Where the host thinks that the tool is, so that most moves are near it [m].
-pub(crate) type Tool = [f32; 2];
 
 /// Whether half of the moves of a session with these flags are motions that the host plans.
 pub(crate) fn host_plans(flags: u8) -> bool {
@@ -282,28 +286,5 @@ fn fault(bytes: &mut Bytes<'_>) -> FaultKind {
         _ => FaultKind::TicksMissed {
             ticks: u32::from(bytes.byte() % 8),
         },
-    }
-}
-
-/// The output for a tool, of any kind.
-pub(crate) fn tool_output(which: u8) -> ToolOutputSettings {
-    match which & 3 {
-        0 => ToolOutputSettings::Servo {
-            up_width: 1e-3,
-            down_width: 2e-3,
-            frame_rate: 50.0,
-            down_time: 0.01,
-            up_time: 0.005,
-        },
-        1 => ToolOutputSettings::Switch {
-            active_low: which & 4 != 0,
-            down_time: 0.0,
-            up_time: 0.002,
-        },
-        2 => ToolOutputSettings::Power {
-            frequency: 1e4,
-            scale_with_speed: which & 4 != 0,
-        },
-        _ => ToolOutputSettings::None,
     }
 }

@@ -1,10 +1,9 @@
 //! Sections of the settings, mostly with one of their values changed.
 
 use crate::bytes::Bytes;
-use crate::orders::tool_output;
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Section, SectionKey};
-use fivebar_firmware::settings::HomingMethod;
+use fivebar_firmware::settings::{HomingMethod, ToolOutputSettings};
 
 /// Any key, also of a section that does not exist.
 pub(crate) fn key(bytes: &mut Bytes<'_>) -> SectionKey {
@@ -140,4 +139,27 @@ pub(crate) fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
         }
     }
     section
+}
+
+/// The output for a tool, of any kind.
+pub(crate) fn tool_output(which: u8) -> ToolOutputSettings {
+    match which & 3 {
+        0 => ToolOutputSettings::Servo {
+            up_width: 1e-3,
+            down_width: 2e-3,
+            frame_rate: 50.0,
+            down_time: 0.01,
+            up_time: 0.005,
+        },
+        1 => ToolOutputSettings::Switch {
+            active_low: which & 4 != 0,
+            down_time: 0.0,
+            up_time: 0.002,
+        },
+        2 => ToolOutputSettings::Power {
+            frequency: 1e4,
+            scale_with_speed: which & 4 != 0,
+        },
+        _ => ToolOutputSettings::None,
+    }
 }

@@ -2,8 +2,10 @@
 //! the arm just allows, slower, or a little too fast; whole, or with a mistake in one piece.
 
 use crate::bytes::Bytes;
-use crate::orders::Tool;
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Planner, TimedCurve, TimedMove};
+
+/// Where the host thinks that the tool is, so that most moves are near it [m].
+pub(crate) type Tool = [f32; 2];
 
 /// Longest piece that a controller takes [s].
 const LONGEST: f32 = 0.064;

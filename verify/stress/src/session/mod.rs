@@ -75,7 +75,7 @@ pub(crate) struct Session<'b> {
     /// The kind of each move; tags are its indices.
     kinds: Vec<Followed>,
     /// Where the last timed move ends that was accepted, if no other move came after it [m].
-    timed_end: Option<orders::Tool>,
+    timed_end: Option<crate::timed::Tool>,
     /// The controller's path generation when the planner ran last.
     planned_for: u32,
     outputs: Vec<Output>,
@@ -166,7 +166,7 @@ impl<'b> Session<'b> {
     }
 
     /// Where the reference of the tool is now [m].
-    fn tool(&self) -> orders::Tool {
+    fn tool(&self) -> crate::timed::Tool {
         let status = self.controller.status();
         status.reference.or(status.tool).unwrap_or([0.04, 0.2])
     }
