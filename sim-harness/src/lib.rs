@@ -1,4 +1,4 @@
-//! Runs: the simulated arm, connections to a controller, and jobs on both.
+#![doc = include_str!("../README.md")]
 
 pub mod controller;
 pub mod crossing;

@@ -25,7 +25,7 @@ const FIRST_LAYOUT: u8 = 7;
 /// Layout of the stored settings, and the key under which they are stored. Each number of
 /// [`AdvancedSettings`] makes a new layout, which begins with the one before. So settings of an older
 /// firmware are read, with the defaults of the numbers that they lack. Every other change of
-/// [`Settings`] needs another [`FIRST_LAYOUT`], so that firmware never reads the bytes of a layout
+/// [`Settings`] needs another `FIRST_LAYOUT`, so that firmware never reads the bytes of a layout
 /// that it does not know.
 pub const LAYOUT: u8 = FIRST_LAYOUT + AdvancedSettings::COUNT as u8;
 

@@ -1,5 +1,4 @@
-//! The input files: robots, jobs, scenarios, linkages, mechanisms and measurements, read and checked
-//! once.
+#![doc = include_str!("../README.md")]
 
 pub mod accuracy_classes;
 pub mod job;

@@ -1,15 +1,4 @@
-//! Studies of arms and linkages, and what is made of their answers: pages, pictures, text, files for
-//! other programs.
-//!
-//! | module | content |
-//! |---|---|
-//! | [`study`] | analyses: accuracy, clearance, linkages, mobility, workspace, queries |
-//! | [`html`] | the parts of a page: charts, tables, the arm in motion |
-//! | [`text`] | answers as text |
-//! | [`picture`] | answers as SVG and PNG |
-//! | [`pages`] | the report of each study and run |
-//! | [`export`] | files for other programs: URDF, MJCF, tables, logs |
-//! | [`output`] | files that are written whole or not at all |
+#![doc = include_str!("../README.md")]
 
 pub mod export;
 pub mod html;

@@ -61,7 +61,7 @@ impl Placement {
 /// A job, read and placed.
 ///
 /// ```
-/// use fivebar::input::job::{Action, Job, Placement};
+/// use fivebar_files::job::{Action, Job, Placement};
 ///
 /// let origin = [0.04, 0.18]; // m
 /// let placement = Placement { origin, scale: 1.0, turn: 0.0, home: origin };
@@ -70,7 +70,7 @@ impl Placement {
 ///     panic!("the last step is a line");
 /// };
 /// assert!((to[0] - 0.05).abs() < 1e-12 && (feed.unwrap_or(0.0) - 0.01).abs() < 1e-12); // m, m/s
-/// # Ok::<(), fivebar::input::job::JobError>(())
+/// # Ok::<(), fivebar_files::job::JobError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Job {

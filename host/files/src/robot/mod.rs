@@ -48,13 +48,13 @@ use nalgebra::Vector2;
 /// A robot from a file, checked.
 ///
 /// ```
-/// use fivebar::input::robot::Robot;
+/// use fivebar_files::robot::Robot;
 ///
 /// let robot = Robot::load("benchtop")?;
 /// assert_eq!(robot.geometry.lengths(), [0.10, 0.16, 0.16, 0.10, 0.08]); // m
 /// let error = Robot::parse("arm.toml", "name = \"arm\"\nbase = -0.1\n").unwrap_err();
 /// assert!(error.to_string().starts_with("arm.toml"));
-/// # Ok::<(), fivebar::input::source::FileError>(())
+/// # Ok::<(), fivebar_files::source::FileError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Robot {

@@ -31,7 +31,7 @@ pub struct Series {
 /// Series over two labelled axes.
 ///
 /// ```
-/// use fivebar::show::report::{Chart, Page};
+/// use fivebar_report::html::{Chart, Page};
 ///
 /// let sine = |turns: f64| (1e-2 * turns, (std::f64::consts::TAU * turns).sin());
 /// let points = (0..=100).map(|i| sine(0.01 * f64::from(i)).into()).collect();
