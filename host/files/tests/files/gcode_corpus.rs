@@ -7,7 +7,7 @@
 use fivebar_files::job::{self, Action, Job, Placement};
 use std::path::Path;
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/host/files/tests/corpus");
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus");
 
 /// The tool's position and, for an arc, the centre and the sense of rotation [mm].
 #[derive(Clone, Debug)]

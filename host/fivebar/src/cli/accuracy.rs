@@ -28,7 +28,7 @@ use indicatif::ProgressBar;
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 use std::fmt::Display;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Computes the effect of tolerances and clearances, by analysis and by sampling.
 #[derive(clap::Args)]
@@ -217,55 +217,80 @@ fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
         ));
     }
     if let Some(path) = &args.path {
-        let shown = path.display();
-        let in_file = |error: &dyn Display| refused(format_args!("{shown}: {error}"));
-        let text = job::read(path).map_err(|error| in_file(&error))?;
-        let job = match args.origin {
-            Some(origin) => {
-                let placement = Placement {
-                    origin,
-                    scale: args.scale,
-                    turn: 0.0,
-                    home: robot
-                        .home_pose()
-                        .map_or(origin, |pose| [pose.c.x, pose.c.y]),
-                };
-                Job::parse(&text, &placement).map_err(|error| in_file(&error))?
-            }
-            None => {
-                let file = shown.to_string();
-                let mut scenario = Scenario::new(&file, robot.clone(), &file, text);
-                scenario.scale = args.scale;
-                scenario.job().map_err(refused)?
-            }
-        };
-        let along = path_accuracy(robot, &job, force).map_err(|error| in_file(&error))?;
-        return Ok((
-            path_answer(&robot.name, &along),
-            path_page(&robot.name, &along),
-        ));
+        return along_path(args, robot, path, force);
     }
-    if let Some(at) = args.at {
-        let state = ToolState {
-            position: vector(at),
-            velocity: vector(args.velocity),
-            acceleration: vector(args.acceleration),
-            force,
-        };
-        let analysis = analyse(robot, &state).map_err(refused)?;
-        let sampling = sampling(args);
-        let progress = ProgressBar::new(draws(&analysis, sampling));
-        let sampled = monte_carlo(
-            &robot.toleranced(),
-            &state,
-            &analysis,
-            sampling,
-            &advance(&progress),
-        );
-        progress.finish_and_clear();
-        let page = at_page(&robot.name, &analysis, &sampled);
-        return Ok((answer(&robot.name, &state, &analysis, &sampled), page));
+    match args.at {
+        Some(at) => at_position(args, robot, at, force),
+        None => over_region(args, robot, force),
     }
+}
+
+/// The study along the path of a job.
+fn along_path(
+    args: &Args,
+    robot: &Robot,
+    path: &Path,
+    force: Vector2<f64>,
+) -> Result<(Value, Page), Failure> {
+    let shown = path.display();
+    let in_file = |error: &dyn Display| refused(format_args!("{shown}: {error}"));
+    let text = job::read(path).map_err(|error| in_file(&error))?;
+    let job = match args.origin {
+        Some(origin) => {
+            let placement = Placement {
+                origin,
+                scale: args.scale,
+                turn: 0.0,
+                home: robot
+                    .home_pose()
+                    .map_or(origin, |pose| [pose.c.x, pose.c.y]),
+            };
+            Job::parse(&text, &placement).map_err(|error| in_file(&error))?
+        }
+        None => {
+            let file = shown.to_string();
+            let mut scenario = Scenario::new(&file, robot.clone(), &file, text);
+            scenario.scale = args.scale;
+            scenario.job().map_err(refused)?
+        }
+    };
+    let along = path_accuracy(robot, &job, force).map_err(|error| in_file(&error))?;
+    Ok((
+        path_answer(&robot.name, &along),
+        path_page(&robot.name, &along),
+    ))
+}
+
+/// The study at one position of the tool.
+fn at_position(
+    args: &Args,
+    robot: &Robot,
+    at: [f64; 2],
+    force: Vector2<f64>,
+) -> Result<(Value, Page), Failure> {
+    let state = ToolState {
+        position: vector(at),
+        velocity: vector(args.velocity),
+        acceleration: vector(args.acceleration),
+        force,
+    };
+    let analysis = analyse(robot, &state).map_err(refused)?;
+    let sampling = sampling(args);
+    let progress = ProgressBar::new(draws(&analysis, sampling));
+    let sampled = monte_carlo(
+        &robot.toleranced(),
+        &state,
+        &analysis,
+        sampling,
+        &advance(&progress),
+    );
+    progress.finish_and_clear();
+    let page = at_page(&robot.name, &analysis, &sampled);
+    Ok((answer(&robot.name, &state, &analysis, &sampled), page))
+}
+
+/// The study over a region, with the cheapest tolerances if a deviation is wanted.
+fn over_region(args: &Args, robot: &Robot, force: Vector2<f64>) -> Result<(Value, Page), Failure> {
     let map = accuracy_map(robot, force, args.region).map_err(refused)?;
     let mut answer = map_answer(&robot.name, &map);
     let mut page = map_page(robot, &map);

@@ -70,7 +70,14 @@ impl Check {
 
 /// Makes all checks.
 pub fn examine() -> Vec<Check> {
-    vec![
+    let mut checks = Vec::from(of_boards());
+    checks.extend(of_browser_and_python());
+    checks
+}
+
+/// What boards need, emulated, simulated and real ones.
+fn of_boards() -> [Check; 8] {
+    [
         Check {
             what: "rustc",
             purpose: "compiles the firmware",
@@ -135,6 +142,12 @@ pub fn examine() -> Vec<Check> {
             needed_for: &[Task::Port],
             state: ports::state(),
         },
+    ]
+}
+
+/// What the browser's test and the Python package need.
+fn of_browser_and_python() -> [Check; 4] {
+    [
         Check {
             what: "chromium",
             purpose: "shows the live page in its test",

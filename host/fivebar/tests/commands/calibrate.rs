@@ -128,7 +128,7 @@ fn poses_are_proposed_and_drawn() {
 /// A table of `host/files/measurements`, all of one arm.
 fn measurements(name: &str) -> String {
     format!(
-        "{}/measurements/benchtop_{name}.csv",
+        "{}/../files/measurements/benchtop_{name}.csv",
         env!("CARGO_MANIFEST_DIR")
     )
 }

@@ -27,16 +27,7 @@ pub(super) struct LegendContent {
 /// The legend.
 pub(super) fn legend(shown: &LegendContent) -> String {
     let LegendContent { left, top, .. } = *shown;
-    let mut svg = format!(
-        "<text x=\"{left}\" y=\"{}\">1/κ = σmin/σmax of the Jacobian</text>\n\
-         <text x=\"{left}\" y=\"{}\">1: the same in all directions</text>\n\
-         <text x=\"{left}\" y=\"{}\">0: singular</text>\n\
-         <text x=\"{left}\" y=\"{}\">left: clear; right: not allowed</text>\n",
-        top + 12.0,
-        top + 12.0 + LINE,
-        top + 12.0 + 2.0 * LINE,
-        top + 12.0 + 3.0 * LINE,
-    );
+    let mut svg = heading(left, top);
     svg.push_str(&scale(left, top + 78.0));
     let mut y = top + 278.0;
     let mut entry = |sign: &dyn Fn(f64) -> String, lines: &[String]| {
@@ -107,6 +98,20 @@ pub(super) fn legend(shown: &LegendContent) -> String {
         );
     }
     svg
+}
+
+/// What the colours mean.
+fn heading(left: f64, top: f64) -> String {
+    format!(
+        "<text x=\"{left}\" y=\"{}\">1/κ = σmin/σmax of the Jacobian</text>\n\
+         <text x=\"{left}\" y=\"{}\">1: the same in all directions</text>\n\
+         <text x=\"{left}\" y=\"{}\">0: singular</text>\n\
+         <text x=\"{left}\" y=\"{}\">left: clear; right: not allowed</text>\n",
+        top + 12.0,
+        top + 12.0 + LINE,
+        top + 12.0 + 2.0 * LINE,
+        top + 12.0 + 3.0 * LINE,
+    )
 }
 
 /// A colour and its pale form.

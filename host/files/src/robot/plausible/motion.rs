@@ -52,15 +52,24 @@ const LONGEST_SEARCH: f64 = 600.0;
 const BACK_OFF: [f64; 2] = [5e-4, 1.0];
 
 pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
-    let Robot {
-        limits,
-        motion,
-        control,
-        supply,
-        protection,
-        homing,
-        ..
-    } = robot;
+    let mut rules = of_motion(robot);
+    rules.extend(of_loops(robot));
+    for limit in robot.bus_range() {
+        rules.push(Plausible::new(
+            Key::In("supply", "range"),
+            (limit, "V"),
+            BUS.map(|share| share * robot.supply.voltage),
+            "1/5 to 3 times `voltage`",
+        ));
+    }
+    rules.extend(torques(robot));
+    rules.extend(search(robot));
+    rules
+}
+
+/// The limits of the joints and of the tool.
+fn of_motion(robot: &Robot) -> Vec<Plausible> {
+    let Robot { limits, motion, .. } = robot;
     let reach = reach(robot);
     let mut rules = Vec::new();
     for (speed, acceleration) in limits.max_speed.into_iter().zip(limits.max_acceleration) {
@@ -103,6 +112,20 @@ pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
             "it is a sine, and with less the links bear more than 500 times the force at the tip",
         )
         .or_zero(),
+    ]);
+    rules
+}
+
+/// Control, supply, protection and homing.
+fn of_loops(robot: &Robot) -> [Plausible; 7] {
+    let Robot {
+        control,
+        supply,
+        protection,
+        homing,
+        ..
+    } = robot;
+    [
         Plausible::new(
             Key::In("control", "bandwidth"),
             (control.bandwidth, "rad/s"),
@@ -145,18 +168,7 @@ pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {
             BACK_OFF,
             "a joint must leave the hysteresis of its switch",
         ),
-    ]);
-    for limit in robot.bus_range() {
-        rules.push(Plausible::new(
-            Key::In("supply", "range"),
-            (limit, "V"),
-            BUS.map(|share| share * supply.voltage),
-            "1/5 to 3 times `voltage`",
-        ));
-    }
-    rules.extend(torques(robot));
-    rules.extend(search(robot));
-    rules
+    ]
 }
 
 /// The joints' accelerations and torques against their drives.

@@ -58,32 +58,31 @@ pub(in super::super) fn directions(bench: &mut Bench) -> Result<Outcome, StepErr
     Ok(Outcome::new(found, values))
 }
 
+/// The mean change of a joint's current from that before the pulse, while there is a duty [A].
+fn current_change(bench: &Bench, joint: Joint, rows: &LogRows, duties: &[f64]) -> f64 {
+    let codes = rows.current_codes(joint);
+    let zero = codes.iter().take(15).sum::<f64>() / 15.0;
+    let driven = codes
+        .iter()
+        .zip(duties)
+        .skip(20)
+        .filter(|(_, duty)| **duty != 0.0);
+    let changes: Vec<f64> = driven.map(|(code, _)| code - zero).collect();
+    let early = changes.len().clamp(1, 30);
+    let mean = changes.iter().take(early).sum::<f64>() / early as f64;
+    mean * f64::from(bench.settings.axes[joint].current_per_code)
+}
+
 /// Whether the joint has moved, as it should. With `last` it should have moved.
 fn judge_pulse(bench: &Bench, joint: Joint, rows: &LogRows, last: bool) -> Result<bool, StepError> {
     let mut turned = [0.0; 2];
     for (index, turned) in Joint::ALL.into_iter().zip(&mut turned) {
         *turned = range(&rows.counts(index)) * TAU / bench.counts_per_turn(index)?;
     }
-    // The greatest change of the current from its mean before the pulse, with its sign.
-    let currents = Joint::ALL.map(|index| {
-        let codes = rows.current_codes(index);
-        let zero = codes.iter().take(15).sum::<f64>() / 15.0;
-        let duties = rows.duties(joint);
-        let driven = codes
-            .iter()
-            .zip(&duties)
-            .skip(20)
-            .filter(|(_, duty)| **duty != 0.0);
-        let changes: Vec<f64> = driven.map(|(code, _)| code - zero).collect();
-        let early = changes.len().clamp(1, 30);
-        let mean = changes.iter().take(early).sum::<f64>() / early as f64;
-        mean * f64::from(bench.settings.axes[index].current_per_code)
-    });
+    let duties = rows.duties(joint);
+    let currents = Joint::ALL.map(|index| current_change(bench, index, rows, &duties));
     let drive = bench.drive(joint)?;
-    let applied = rows
-        .duties(joint)
-        .iter()
-        .fold(0.0_f64, |most, duty| most.max(*duty));
+    let applied = duties.iter().fold(0.0_f64, |most, duty| most.max(*duty));
     let expected = applied * bench.robot.supply.voltage / drive.resistance;
     let (own, other) = (currents[joint], currents[joint.other()]);
     let moved = turned.map(|turned| turned.abs() > MOVED);
