@@ -122,7 +122,7 @@ fn the_document_shows_the_table_of_the_settings() {
     let length = DOCUMENT[start..].find(end).expect("the end of the table");
     let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
     if std::env::var_os("FIVEBAR_UPDATE").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/use/robot-file.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use/robot-file.md");
         std::fs::write(path, new).unwrap();
     } else {
         let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar --test files writes it anew";

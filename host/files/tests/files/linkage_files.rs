@@ -35,7 +35,7 @@ fn refusal(from: &str, to: &str) -> String {
     let text = GOOD.replace(from, to);
     let started = Instant::now();
     let error = DrivenLinkage::parse("f.toml", &text).expect_err(to);
-    assert!(started.elapsed() < Duration::from_secs(2), "{from} → {to}");
+    assert!(started.elapsed() < Duration::from_secs(5), "{from} → {to}");
     let message = error.to_string();
     assert!(
         message.starts_with("f.toml") && !message.contains('\n'),

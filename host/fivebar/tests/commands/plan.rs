@@ -25,7 +25,7 @@ fn refusal(args: &[&str], status: i32) -> String {
 }
 
 fn shipped(path: &str) -> String {
-    format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))
+    format!("{}/../files/{path}", env!("CARGO_MANIFEST_DIR"))
 }
 
 fn written(folder: &Path, case: &Value) -> PathBuf {
