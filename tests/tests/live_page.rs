@@ -135,8 +135,8 @@ impl Page {
             }
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
-                    let news = serde_json::from_str(&text).expect("JSON");
-                    if let Some(found) = wanted(&news) {
+                    let update = serde_json::from_str(&text).expect("JSON");
+                    if let Some(found) = wanted(&update) {
                         return found;
                     }
                     last = text.to_string();
@@ -147,13 +147,13 @@ impl Page {
                 Err(error) => panic!("waiting for {what}: {error}"),
             }
         }
-        panic!("waited in vain for {what}; the last news was {last}");
+        panic!("waited in vain for {what}; the last update was {last}");
     }
 
     /// The next state for which `wanted` holds.
     fn state(&mut self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
-        self.wait(what, |news| {
-            let state = news.get("state")?;
+        self.wait(what, |update| {
+            let state = update.get("state")?;
             wanted(state).then(|| state.clone())
         })
     }
@@ -164,8 +164,8 @@ impl Page {
 
     /// The latched fault's name, and the state in which it was raised.
     fn fault(&mut self) -> (String, String) {
-        self.wait("a fault", |news| {
-            let fault = news.get("fault")?;
+        self.wait("a fault", |update| {
+            let fault = update.get("fault")?;
             let text = |key: &str| Some(fault.get(key)?.as_str()?.to_owned());
             Some((text("name")?, text("state")?))
         })
@@ -173,8 +173,8 @@ impl Page {
 }
 
 /// The sentence of a notice.
-fn refusal(news: &Value) -> Option<String> {
-    Some(news.get("notice")?["text"].as_str()?.to_owned())
+fn refusal(update: &Value) -> Option<String> {
+    Some(update.get("notice")?["text"].as_str()?.to_owned())
 }
 
 fn number(value: &Value) -> f64 {
@@ -219,12 +219,12 @@ fn board() -> (Until<()>, String) {
         let _near = near;
         let mut bytes = [0; 512];
         while !ends.load(Ordering::Relaxed) {
-            let heard = far.read(&mut bytes).unwrap_or(0);
-            if heard == 0 {
+            let received = far.read(&mut bytes).unwrap_or(0);
+            if received == 0 {
                 std::thread::sleep(Duration::from_millis(20));
             }
             controller
-                .write_all(&bytes[..heard])
+                .write_all(&bytes[..received])
                 .expect("a perfect line");
             if let Ok(said) = controller.read(&mut bytes) {
                 // The write fails if the server has ended.

@@ -118,7 +118,7 @@ fn a_signal_ends_bridge_and_page_with_the_bridges_off() {
     }
 }
 
-/// A controller that is not heard from holds the arm with the bridges on.
+/// A controller that receives nothing holds the arm with the bridges on.
 #[test]
 fn a_signal_switches_the_bridges_off_also_while_a_fault_holds_the_arm() {
     for command in [&BRIDGE[..], &SERVE[..]] {

@@ -265,7 +265,7 @@ fn no_emergency_stop_is_lost_while_a_thousand_connections_a_second_show_no_token
         times[40], times[79]
     );
     assert!(times[76] < Duration::from_millis(500), "{times:?}");
-    page.wait("the news of it", |message| {
+    page.wait("its message", |message| {
         (message.get("guide")?["stops"].as_u64()? >= 80).then_some(())
     });
 }

@@ -125,13 +125,13 @@ fn run(mut far: TTYPort, _near: &TTYPort, ends: &AtomicBool, notes: &Notes) {
     // Since when a command waits for the delivery of its reply.
     let mut begun = None;
     while !ends.load(Ordering::Relaxed) {
-        let heard = far.read(&mut bytes).unwrap_or(0);
-        if heard > 0 && begun.is_none() {
+        let received = far.read(&mut bytes).unwrap_or(0);
+        if received > 0 && begun.is_none() {
             begun = Some(looked);
         }
         looked = Instant::now();
         controller
-            .write_all(&bytes[..heard])
+            .write_all(&bytes[..received])
             .expect("a perfect line");
         // A read passes 10 ms of the controller's time, unless a reply waits.
         while let Ok(said) = controller.read(&mut bytes) {

@@ -276,7 +276,7 @@ impl Page {
     pub(crate) fn take_control_and_arm(&mut self) {
         let deadline = Instant::now() + Duration::from_secs(30);
         loop {
-            // Again, because a page that floods gets control if this one is not heard for a while.
+            // Again, because a page that floods gets control if this one is silent for a while.
             self.send(&json!("control"));
             let state = self.latest_state();
             match state["state"].as_str() {

@@ -11,7 +11,7 @@ use tungstenite::{Message, WebSocket};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopped {
     pub(crate) asked: Instant,
-    /// From its sending to the news of it [s].
+    /// From its sending to its message [s].
     pub(crate) real: f64,
 }
 

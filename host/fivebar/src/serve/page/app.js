@@ -186,7 +186,7 @@ function send(request) {
   if (!connection.send(request)) showNotice("Not sent: there is no connection.", true);
 }
 
-// Stops on the path, whatever this page has last heard of the arm. The hand lets go of what it drags.
+// Stops on the path, whatever this page last received about the arm. The hand lets go of what it drags.
 function stop() {
   drag.releaseArm();
   showNotice("");
@@ -245,7 +245,7 @@ function act(button, event) {
   const { request, jog: direction, turn, place: where, zoom: how, mode } = button.dataset;
   const name = nameOf(button);
   const isMeant = clicks.admits(name, button, event);
-  // What this page has last heard keeps no stop back.
+  // What this page last received keeps no stop back.
   if (request === "stop") return stop();
   if (how) return zoom(how);
   if (mode) return chooseBranch(mode);
