@@ -60,6 +60,6 @@ def robot_file(robot):
 @pytest.fixture(scope="session")
 def program():
     """The program `fivebar`, built before the tests: see scripts/python.sh."""
-    path = pathlib.Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "debug/fivebar"
+    path = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "debug/fivebar"
     assert path.exists(), f"no {path}: build it with `cargo build`"
     return path
