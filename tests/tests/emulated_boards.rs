@@ -8,7 +8,7 @@ use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};
 use fivebar_plant::Mismatch;
 use fivebar_sim::link::{Client, Emulator, Instructions, Lockstep};
-use fivebar_sim::simulation::{Record, Summary};
+use fivebar_sim::simulation::{Record, Simulate, Summary};
 
 /// Lines, corners, arcs both ways, a dwell and a rapid move: 0.3 s of motion and more.
 const JOB: &str = "G21\nG90\nM3\nF12000\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG2 X10 Y10 I10 J0\nG4 S0.05\nG3 X20 Y20 I0 J10\nG0 X25 Y15\n";

@@ -8,6 +8,7 @@ use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{Mismatch, Plant};
 use fivebar_sim::link::{Emulator, FaultRates};
 
@@ -31,7 +32,8 @@ fn homed(replaced: [&str; 2], homing: &str) -> (u32, f64) {
     }
     let status = bench.status();
     assert_eq!((status.homed, status.fault), (true, None));
-    let off = [0, 1].map(|joint| (f64::from(status.angle[joint]) - bench.plant.angle(joint)).abs());
+    let off =
+        Joint::ALL.map(|joint| (f64::from(status.angle[joint]) - bench.plant.angle(joint)).abs());
     let (ticks, off) = (ticks.expect("an end"), off[0].max(off[1]));
     println!("{ticks} ticks, {off} rad");
     (ticks, off)

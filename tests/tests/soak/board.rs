@@ -6,7 +6,7 @@ use crate::replay::{Recorded, replay};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, SensorSample, Status};
 use fivebar_sim::link::{Lockstep, Target, TargetError};
-use fivebar_sim::simulation::RunError;
+use fivebar_sim::simulation::{RunError, Simulate};
 use std::time::Instant;
 
 /// The reason with which a run ends when all ticks have run.
