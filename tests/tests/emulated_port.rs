@@ -5,6 +5,7 @@
 mod bench;
 
 use bench::{Bench, stated};
+use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::FaultKind;
 use fivebar_sim::link::{Emulator, SerialLine};
 use serialport::{SerialPort, TTYPort};
@@ -48,7 +49,9 @@ fn an_emulated_board_behind_a_serial_port_moves_and_faults_bit_by_bit() {
         let _end = End(&ends);
         let line = SerialLine::open(&port).expect("the port");
         let mut bench = Bench::moving(line);
-        bench.inject(FaultKind::DriverFault { joint: 1 });
+        bench.inject(FaultKind::DriverFault {
+            joint: Joint::Joint4,
+        });
         bench.powers_off(stated("a_bridge_that_gives_up"));
     });
 }

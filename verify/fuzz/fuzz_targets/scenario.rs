@@ -3,6 +3,7 @@
 #![no_main]
 
 use fivebar_files::scenario::Scenario;
+use fivebar_sim::simulation::Simulate;
 use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
