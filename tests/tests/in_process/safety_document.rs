@@ -9,10 +9,10 @@ const FOLDERS: [&str; 8] = [
     "kinematics",
     "firmware",
     "plant",
-    "stress",
+    "host",
     "sim-harness",
     "tests",
-    "chip",
+    "verify",
     "scripts",
 ];
 
