@@ -20,6 +20,7 @@ SPAN = 0.3  # s
 BOUND = 1e-4  # rad
 TICK = 1e-4  # s
 STEPS = 20  # of MuJoCo in a tick; its soft loop has a time constant of two steps
+CREEP = 1.5e-9  # rad in a tick: a held joint, modelled by a large inertia, turns by less
 SIGN_WIDTH = 0.02  # ω0 of the plant's Coulomb friction, rad/s
 DRIVEN = (("A", "B", "link2", "theta1"), ("E", "D", "link3", "theta4"))
 
@@ -43,7 +44,8 @@ def moving_rows(path):
     with open(path, newline="") as file:
         rows = [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
     angles = [[row[f"{angle}_rad"] for *_, angle in DRIVEN] for row in rows]
-    held = next(i for i, at in enumerate(angles) if at != angles[0]) - 1
+    steps = [max(abs(a - b) for a, b in zip(*pair)) for pair in zip(angles, angles[1:])]
+    held = next(i for i, step in enumerate(steps) if step > CREEP)
     return rows[held:]
 
 

@@ -27,6 +27,11 @@ pub use tool::ToolWords;
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
 use fivebar_kinematics::five_bar::WorkingMode;
 
+/// The built-in demonstration, in G-code.
+pub const DEMONSTRATION: &str = include_str!("../../jobs/fivebar.gcode");
+/// A short built-in drawing, in G-code.
+pub const PETAL: &str = include_str!("../../jobs/petal.gcode");
+
 /// The placement of a job in the frame of the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {

@@ -7,7 +7,9 @@ mod file;
 mod mode_change;
 mod placement;
 
-use crate::job::{Action, Job, JobError, JobOptions, Placement, Warning, WarningKind};
+use crate::job::{
+    Action, DEMONSTRATION, Job, JobError, JobOptions, Placement, Warning, WarningKind,
+};
 use crate::robot::{HomeError, Robot};
 use crate::source::FileError;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault, Wiring};
@@ -127,13 +129,11 @@ impl Scenario {
 
     /// The demonstration job on this arm.
     pub fn demonstration(robot: Robot) -> Self {
-        /// The built-in job.
-        const JOB: &str = include_str!("../../jobs/fivebar.gcode");
         Self::new(
             "the demonstration",
             robot,
             "the demonstration job",
-            JOB.into(),
+            DEMONSTRATION.into(),
         )
     }
 

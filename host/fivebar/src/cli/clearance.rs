@@ -5,6 +5,7 @@ use super::length::{place, positive_length};
 use super::run_args::scale;
 use super::say::{say, warn};
 use super::value_error::ValueError;
+use fivebar_files::job::PETAL;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_report::output::OutputFolder;
@@ -15,9 +16,6 @@ use fivebar_report::text::quantity;
 use fivebar_sim::simulation::Simulate;
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
-
-/// The default job, a short one.
-const JOB: &str = include_str!("../../../files/jobs/petal.gcode");
 
 /// Simulates a job with worn joints: impacts, forces and errors against the new arm.
 #[derive(clap::Args)]
@@ -86,7 +84,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 fn scenario(args: &Args) -> Result<Scenario, Failure> {
     let robot = Robot::load(&args.file).map_err(refused)?;
     let mut scenario = match &args.job {
-        None => Scenario::new("petal", robot, "the petal job", JOB.into()),
+        None => Scenario::new("petal", robot, "the petal job", PETAL.into()),
         Some(path) if Path::new(path).extension().is_some_and(|e| e == "toml") => Scenario {
             robot,
             ..Scenario::load(path).map_err(refused)?

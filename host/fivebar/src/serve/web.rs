@@ -12,6 +12,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use fivebar_files::job::DEMONSTRATION;
 use hyper::upgrade::Upgraded;
 use hyper_util::rt::TokioIo;
 use std::net::TcpListener;
@@ -62,7 +63,7 @@ const ASSETS: [Asset; 15] = [
     (
         "/demonstration.gcode",
         "text/plain; charset=utf-8",
-        include_str!("../../../files/jobs/fivebar.gcode"),
+        DEMONSTRATION,
     ),
 ];
 

@@ -11,6 +11,7 @@ use crate::orders;
 use crate::report::Report;
 use crate::rules::{Rules, Violation};
 use crate::samples::Hostile;
+use crate::timed::Tool;
 use fivebar_firmware::controller::Controller;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
@@ -75,7 +76,7 @@ pub(crate) struct Session<'b> {
     /// The kind of each move; tags are its indices.
     kinds: Vec<Followed>,
     /// Where the last timed move ends that was accepted, if no other move came after it [m].
-    timed_end: Option<crate::timed::Tool>,
+    timed_end: Option<Tool>,
     /// The controller's path generation when the planner ran last.
     planned_for: u32,
     outputs: Vec<Output>,
@@ -166,7 +167,7 @@ impl<'b> Session<'b> {
     }
 
     /// Where the reference of the tool is now [m].
-    fn tool(&self) -> crate::timed::Tool {
+    fn tool(&self) -> Tool {
         let status = self.controller.status();
         status.reference.or(status.tool).unwrap_or([0.04, 0.2])
     }
