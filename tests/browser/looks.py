@@ -79,7 +79,42 @@ def the_map_is_of_the_chosen_branch(page):
     assert drawn("")[0] == own
 
 
+# How many pixels of a chart have a colour of the style sheet.
+COLOURED = """
+    const coloured = (canvas, name) => {
+        const { width, height } = canvas;
+        const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+        const wanted = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4) {
+            const [r, g, b] = data.subarray(i, i + 3);
+            const colour = '#' + [r, g, b].map((part) => part.toString(16).padStart(2, '0')).join('');
+            if (colour === wanted && data[i + 3] === 255) count += 1;
+        }
+        return count;
+    };
+"""
+
+
+def the_plots_are_drawn_within_the_policy(page):
+    browser = page.browser
+    browser.wait("curves", lambda: browser.script(COLOURED + """
+        const plots = [...document.querySelectorAll('#plots canvas')];
+        return plots.length === 3 && plots.every((plot) => coloured(plot, '--one') > 20);"""))
+    # A style attribute that a script adds is against the policy: the observer must see it alone.
+    refused = browser.script("""
+        document.body.setAttribute('style', 'top: 0');
+        await new Promise((done) => setTimeout(done, 100));
+        const observer = new ReportingObserver(() => {}, { types: ['csp-violation'], buffered: true });
+        observer.observe();
+        const seen = observer.takeRecords().map(({ body }) => body.effectiveDirective);
+        document.body.removeAttribute('style');
+        return seen;""")
+    assert refused == ["style-src-attr"], refused
+
+
 def check(page):
+    the_plots_are_drawn_within_the_policy(page)
     page.browser.click('[data-zoom="arm"]')
     the_map_is_of_the_chosen_branch(page)
     a_phone_has_all_of_it_and_the_emergency_stop_in_view(page)
@@ -92,18 +127,41 @@ def a_report_fits_a_phone(program, browser):
     with tempfile.TemporaryDirectory() as out:
         subprocess.run([program, "sim", job, "--out", out], check=True, stdout=subprocess.DEVNULL)
         browser.open(f"file://{out}/report.html")
-        for width, drawing in ((360, "narrow"), (390, "narrow"), (1200, "wide")):
+        for width in (360, 390, 1200):
             browser.resize(width, 844, mobile=width < 1200)
-            wide, charts, beyond, shown = browser.script("""
+            time.sleep(0.3)
+            wide, charts, beyond, drawn = browser.script(COLOURED + """
                 const charts = [...document.querySelectorAll('.chart')];
-                const isShown = (svg) => svg.getBoundingClientRect().width > 0;
                 return [document.documentElement.scrollWidth, charts.length,
                         charts.filter((chart) => chart.scrollWidth > chart.clientWidth).length,
-                        charts.flatMap((chart) => [...chart.querySelectorAll('svg')])
-                            .filter(isShown).map((svg) => svg.parentElement.className)];""")
+                        charts.filter((chart) => coloured(chart.querySelector('canvas'), '--s1') > 20).length];""")
             assert wide <= width and beyond == 0, f"{wide} px wide on {width} px, {beyond} beyond"
             reach.has_no_serious_violation(browser, f"the report at {width} px")
-            assert charts > 5 and shown == [drawing] * charts, (charts, shown)
+            assert charts > 5 and drawn == charts, (charts, drawn)
+        a_drag_zooms_and_a_path_has_the_same_scale_along_both_axes(browser)
+
+
+def a_drag_zooms_and_a_path_has_the_same_scale_along_both_axes(browser):
+    """Of the chart of the path, which is the first, and of one over time, which is the second."""
+    def scales():
+        return browser.script("""
+            return [...document.querySelectorAll('.chart')].slice(0, 2).map(({ plot: { scales, bbox } }) =>
+                [scales.x.max - scales.x.min, scales.y.max - scales.y.min, bbox.width, bbox.height]);""")
+
+    before = scales()
+    across, up, width, height = before[0]
+    assert abs(across / width / (up / height) - 1) < 1e-3, before[0]
+    for number, narrower in ((0, 2), (1, 1)):
+        over = f"#over{number}"
+        browser.script(f"""
+            const over = document.querySelectorAll('.chart .u-over')[{number}];
+            over.id = "over{number}";
+            over.scrollIntoView({{ block: 'center' }});""")
+        browser.drag(over, (100, 40), (300, 120))
+        zoomed = scales()[number]
+        assert all(now < 0.7 * old for now, old in zip(zoomed[:narrower], before[number])), (zoomed, before)
+        browser.click_at(browser.middle(over), times=2, every=0.02)
+        browser.wait("the whole chart", lambda: scales()[number] == before[number])
 
 
 def the_reports_of_studies_are_accessible(program, browser):

@@ -13,6 +13,7 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use fivebar_files::job::DEMONSTRATION;
+use fivebar_report::html::{UPLOT_SCRIPT, UPLOT_STYLE};
 use hyper::upgrade::Upgraded;
 use hyper_util::rt::TokioIo;
 use std::net::TcpListener;
@@ -37,7 +38,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 15] = [
+const ASSETS: [Asset; 17] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -48,6 +49,8 @@ const ASSETS: [Asset; 15] = [
         "text/css; charset=utf-8",
         include_str!("page/style.css"),
     ),
+    ("/uPlot.js", SCRIPT, UPLOT_SCRIPT),
+    ("/uPlot.css", "text/css; charset=utf-8", UPLOT_STYLE),
     ("/app.js", SCRIPT, include_str!("page/app.js")),
     ("/clicks.js", SCRIPT, include_str!("page/clicks.js")),
     ("/clock.js", SCRIPT, include_str!("page/clock.js")),

@@ -2,6 +2,7 @@
 
 use super::Point;
 use super::decimate::{BoundingBox, is_finite};
+use super::page::json_element;
 use quick_xml::escape::escape;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -86,9 +87,7 @@ impl Animation {
                 }
             }
         }
-        // A "<" must not occur in a script element. In JSON it occurs in strings only, where it
-        // can be escaped.
-        let data = self.data().to_string().replace('<', "\\u003c");
+        let data = json_element(&self.data());
         format!(
             "<figure class=\"animation\"><figcaption><b>{caption}</b>{legend}</figcaption>\n\
              <canvas role=\"img\" aria-label=\"{caption}\"></canvas>\n\
@@ -96,9 +95,7 @@ impl Animation {
              <input type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" \
              aria-label=\"time\"><output></output>\
              <label>speed <select></select></label></div>\n\
-             <noscript>The animation needs JavaScript; the rest of the page does \
-             not.</noscript>\n\
-             <script type=\"application/json\">{data}</script></figure>\n"
+             {data}</figure>\n"
         )
     }
 

@@ -1,13 +1,15 @@
-//! Curves over two axes, drawn by plotters as SVG.
+//! Curves over two axes, which uPlot draws in the reader's browser (`charts.js`).
 
 use super::Point;
-use super::decimate::{BoundingBox, is_finite, thin};
-use plotters::prelude::*;
+use super::decimate::{is_finite, thin};
+use super::page::json_element;
 use quick_xml::escape::escape;
-use std::fmt::Write as _;
+use serde::Serialize;
+use serde_json::json;
 
 /// How a series is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stroke {
     /// A solid line.
     Line,
@@ -37,7 +39,7 @@ pub struct Series {
 /// let points = (0..=100).map(|i| sine(0.01 * f64::from(i)).into()).collect();
 /// let chart = Chart::new("Torque", "time [s]", "torque [N·m]").line("joint 1", points);
 /// let mut page = Page::new("A turn");
-/// assert!(page.chart(&chart).render().contains("<svg"));
+/// assert!(page.chart(&chart).render().contains("time [s]"));
 /// ```
 #[derive(Clone, Debug)]
 pub struct Chart {
@@ -51,59 +53,9 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// Whether both axes have the same scale, for paths in the plane.
     pub equal_aspect: bool,
+    /// Whether the horizontal axis is logarithmic, for frequencies.
+    pub log_x: bool,
 }
-
-/// Magnification of the drawing. Plotters' SVG has integer coordinates; this gives a resolution of
-/// a quarter of a pixel.
-const FINE: u32 = 4;
-const MARGIN: u32 = 8;
-const X_LABELS: u32 = 40;
-
-/// Dimensions of a drawing [px]. The page contains a drawing for wide and one for narrow screens,
-/// shows one of them, and scales it with its text to the screen.
-struct Size {
-    /// Its class in the style sheet.
-    class: &'static str,
-    width: u32,
-    height: u32,
-    text: u32,
-    /// Width of the vertical axis's numbers and name.
-    y_labels: u32,
-    /// Approximate number of labels at each axis.
-    ticks: [usize; 2],
-}
-
-const SIZES: [Size; 2] = [
-    Size {
-        class: "wide",
-        width: 720,
-        height: 280,
-        text: 14,
-        y_labels: 68,
-        ticks: [8, 6],
-    },
-    Size {
-        class: "narrow",
-        width: 360,
-        height: 240,
-        text: 13,
-        y_labels: 62,
-        ticks: [4, 5],
-    },
-];
-
-/// Colours in plotters' output that are replaced by the style sheet's, so that a chart follows
-/// the reader's light or dark mode.
-const INK: RGBColor = RGBColor(1, 1, 1);
-const GRID: RGBColor = RGBColor(2, 2, 2);
-const SERIES: [RGBColor; 6] = [
-    RGBColor(3, 3, 3),
-    RGBColor(4, 4, 4),
-    RGBColor(5, 5, 5),
-    RGBColor(6, 6, 6),
-    RGBColor(7, 7, 7),
-    RGBColor(8, 8, 8),
-];
 
 impl Chart {
     /// A chart without series.
@@ -118,6 +70,7 @@ impl Chart {
             y_label: y_label.into(),
             series: Vec::new(),
             equal_aspect: false,
+            log_x: false,
         }
     }
 
@@ -157,205 +110,103 @@ impl Chart {
         self
     }
 
-    /// The chart as a figure with its legend.
+    /// Makes the horizontal axis logarithmic.
+    #[must_use]
+    pub fn with_log_x(mut self) -> Self {
+        self.log_x = true;
+        self
+    }
+
+    /// The chart as a figure with its data.
     pub(super) fn to_html(&self) -> String {
-        let mut legend = String::new();
-        for (index, series) in self.series.iter().enumerate() {
-            if !series.name.is_empty() {
-                let dashed = match series.stroke {
-                    Stroke::Dashed => " dashed",
-                    Stroke::Line | Stroke::Dots => "",
-                };
-                let _ = write!(
-                    legend,
-                    "<span class=\"entry{dashed} s{}\">{}</span>",
-                    index % SERIES.len() + 1,
-                    escape(&series.name)
-                );
-            }
-        }
-        let points = self.series.iter().flat_map(|series| &series.points);
-        let drawings = match BoundingBox::of(points) {
-            None => "<p>No data to show.</p>".into(),
-            Some(range) => SIZES
-                .map(|size| {
-                    let svg = self.to_svg(range, &size);
-                    format!("<div class=\"{}\">{svg}</div>", size.class)
-                })
-                .concat(),
+        let curves = self
+            .series
+            .iter()
+            .map(|series| self.thinned(&series.points));
+        let curves: Vec<_> = curves.collect();
+        let content = if curves.iter().all(Vec::is_empty) {
+            "<p>No data to show.</p>".into()
+        } else {
+            let series = self.series.iter().zip(&curves).map(|(series, curve)| {
+                let (x, y) = columns(curve);
+                json!({ "label": series.name, "stroke": series.stroke, "x": x, "y": y })
+            });
+            json_element(&json!({
+                "x": self.x_label,
+                "y": self.y_label,
+                "equal": self.equal_aspect,
+                "log": self.log_x,
+                "series": series.collect::<Vec<_>>(),
+            }))
         };
+        let title = escape(&self.title);
         format!(
-            "<figure class=\"chart\"><figcaption><b>{}</b>{legend}</figcaption>{drawings}\
-             </figure>\n",
-            escape(&self.title),
+            "<figure class=\"chart\"><figcaption><b>{title}</b></figcaption>{content}</figure>\n"
         )
     }
 
-    fn to_svg(&self, range: BoundingBox, size: &Size) -> String {
-        let (range, height) = if self.equal_aspect {
-            same_scale(range, size)
-        } else {
-            (widened(range), size.height)
+    /// A curve without the points that the page is too coarse to show.
+    fn thinned(&self, points: &[Point]) -> Vec<Point> {
+        let across = |f: fn(f64) -> f64, points: &[Point]| -> Vec<Point> {
+            points.iter().map(|&[x, y]| [f(x), y]).collect()
         };
-        let mut svg = String::new();
-        // Drawing into a string cannot fail: there is no device that could return an error.
-        self.draw(&mut svg, range, height, size)
-            .expect("drawing into memory does not fail");
-        themed(&svg)
-    }
-
-    fn draw(
-        &self,
-        svg: &mut String,
-        range: BoundingBox,
-        height: u32,
-        size: &Size,
-    ) -> Result<(), Box<dyn std::error::Error>> {
-        let pixels = (size.width * FINE, height * FINE);
-        let area = SVGBackend::with_string(svg, pixels).into_drawing_area();
-        let [x_ticks, y_ticks] = size.ticks;
-        let mut chart = ChartBuilder::on(&area)
-            .margin(MARGIN * FINE)
-            .x_label_area_size(X_LABELS * FINE)
-            .y_label_area_size(size.y_labels * FINE)
-            .build_cartesian_2d(range.low[0]..range.high[0], range.low[1]..range.high[1])?;
-        let text = ("sans-serif", size.text * FINE).into_font().color(&INK);
-        chart
-            .configure_mesh()
-            .x_desc(&self.x_label)
-            .y_desc(&self.y_label)
-            .x_labels(x_ticks)
-            .y_labels(y_ticks)
-            .x_label_formatter(&|value| tick(*value, range.width()))
-            .y_label_formatter(&|value| tick(*value, range.height()))
-            .label_style(text.clone())
-            .axis_desc_style(text)
-            .axis_style(GRID.stroke_width(FINE))
-            .bold_line_style(GRID.stroke_width(FINE / 2))
-            .light_line_style(TRANSPARENT)
-            .draw()?;
-        for (series, color) in self.series.iter().zip(SERIES.iter().cycle()) {
-            let points = thin(&series.points, f64::from(size.width));
-            let style = color.stroke_width(3 * FINE / 2);
-            for part in points.split(|point| !is_finite(point)) {
-                let part = part.iter().map(|&[x, y]| (x, y));
-                match series.stroke {
-                    Stroke::Line => {
-                        chart.draw_series(LineSeries::new(part, style))?;
-                    }
-                    Stroke::Dashed => {
-                        let dash = (5 * FINE, 4 * FINE);
-                        chart.draw_series(DashedLineSeries::new(part, dash.0, dash.1, style))?;
-                    }
-                    Stroke::Dots => {
-                        let dot = |at| Circle::new(at, 2 * FINE, color.filled());
-                        chart.draw_series(part.map(dot))?;
-                    }
-                }
-            }
-        }
-        area.present()?;
-        Ok(())
-    }
-}
-
-/// The box with a margin around it; never empty.
-fn widened(BoundingBox { low, high }: BoundingBox) -> BoundingBox {
-    let air = |low: f64, high: f64, share: f64| {
-        if high > low {
-            (high - low) * share
+        if self.log_x {
+            let decades = thin(&across(f64::log10, points), COLUMNS);
+            across(|decades| 10_f64.powf(decades), &decades)
         } else {
-            low.abs().max(1.0) * 0.5
+            thin(points, COLUMNS)
+        }
+    }
+}
+
+/// Columns to which curves are thinned [px]: the width of a chart on a wide screen.
+const COLUMNS: f64 = 1000.0;
+
+/// The coordinates of a thinned curve. A gap is a null between its neighbours.
+fn columns(curve: &[Point]) -> (Vec<f64>, Vec<Option<f64>>) {
+    let point = |(i, point): (usize, &Point)| {
+        if is_finite(point) {
+            (digits(point[0], 9), Some(digits(point[1], 6)))
+        } else {
+            (0.5 * (curve[i - 1][0] + curve[i + 1][0]), None)
         }
     };
-    let (x, y) = (air(low[0], high[0], 0.0), air(low[1], high[1], 0.05));
-    BoundingBox {
-        low: [low[0] - x, low[1] - y],
-        high: [high[0] + x, high[1] + y],
-    }
+    curve.iter().enumerate().map(point).unzip()
 }
 
-/// The box and the chart's height [px] for which both axes have the same scale.
-fn same_scale(range: BoundingBox, size: &Size) -> (BoundingBox, u32) {
-    let plot_width = f64::from(size.width - 2 * MARGIN - size.y_labels);
-    let frame = f64::from(2 * MARGIN + X_LABELS);
-    let air = 0.04 * range.width().max(range.height()).max(1e-9);
-    let (width, height) = (range.width() + 2.0 * air, range.height() + 2.0 * air);
-    let plot_height = (plot_width * height / width).clamp(200.0, 520.0).round();
-    let per_pixel = (width / plot_width).max(height / plot_height);
-    let middle = [0, 1].map(|axis| 0.5 * (range.low[axis] + range.high[axis]));
-    let half = [0.5 * per_pixel * plot_width, 0.5 * per_pixel * plot_height];
-    let widened = BoundingBox {
-        low: [middle[0] - half[0], middle[1] - half[1]],
-        high: [middle[0] + half[0], middle[1] + half[1]],
-    };
-    (widened, (plot_height + frame) as u32)
-}
-
-/// The label of a number at an axis. The number of decimals follows from the axis's span.
-fn tick(value: f64, span: f64) -> String {
-    let digits = (2.0 - span.log10().floor()).clamp(0.0, 12.0) as usize;
-    let text = format!("{value:.digits$}");
-    let text = match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => &text,
-    };
-    match text {
-        "-0" => "0".into(),
-        text => text.replace('-', "−"),
-    }
-}
-
-/// Replaces the colours of plotters' output by the style sheet's.
-fn themed(svg: &str) -> String {
-    let hex = |RGBColor(r, g, b)| format!("\"#{r:02X}{g:02X}{b:02X}\"");
-    let mut svg = svg
-        .replace(&hex(INK), "\"currentColor\"")
-        .replace(&hex(GRID), "\"var(--grid)\"");
-    for (index, color) in SERIES.into_iter().enumerate() {
-        svg = svg.replace(&hex(color), &format!("\"var(--s{})\"", index + 1));
-    }
-    svg
+/// The number with so many significant digits, which keeps the file small.
+fn digits(value: f64, digits: usize) -> f64 {
+    let text = format!("{value:.*e}", digits - 1);
+    text.parse().unwrap_or(value)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{BoundingBox, Chart, SIZES, same_scale, tick};
+    use super::{Chart, columns};
 
     #[test]
-    fn axis_labels_have_no_noise_digits() {
-        assert_eq!(tick(0.1 + 0.2, 1.0), "0.3");
-        assert_eq!(tick(-0.0, 1.0), "0");
-        assert_eq!(tick(-25.0, 100.0), "−25");
-        assert_eq!(tick(1200.0, 4000.0), "1200");
-        assert_eq!(tick(2.5e-5, 1e-4), "0.000025");
+    fn numbers_are_short_and_a_gap_is_a_null_between_its_neighbours() {
+        let curve = [[0.1 + 0.2, 1.0 / 3.0], [f64::NAN; 2], [1.3, -2.5e-7]];
+        let expected = (
+            vec![0.3, 0.8, 1.3],
+            vec![Some(0.333_333), None, Some(-2.5e-7)],
+        );
+        assert_eq!(columns(&curve), expected);
     }
 
     #[test]
-    fn equal_aspect_gives_both_axes_the_same_scale() {
-        let low = [0.0, 0.0];
-        for (high, size) in [[1.0, 1.0], [10.0, 1.0], [1.0, 10.0], low]
-            .into_iter()
-            .flat_map(|high| SIZES.map(|size| (high, size)))
-        {
-            let (range, height) = same_scale(BoundingBox { low, high }, &size);
-            let across = range.width() / f64::from(size.width - 16 - size.y_labels);
-            let up = range.height() / f64::from(height - 16 - 40);
-            assert!((across / up - 1.0).abs() < 1e-9);
-            assert!(range.low[0] <= 0.0 && range.high[1] >= high[1]);
-        }
-    }
-
-    #[test]
-    fn gaps_flat_lines_and_empty_charts_are_drawn() {
-        let broken = vec![[0.0, 1.0], [f64::NAN, f64::NAN], [1.0, 1.0], [2.0, 1.0]];
-        let html = Chart::new("t", "x [s]", "y [m]")
-            .line("a", broken)
-            .to_html();
-        // Two parts, in the wide drawing and in the narrow one.
-        assert_eq!(html.matches("var(--s1)").count(), 4);
-        assert!(html.contains("x [s]") && html.contains("y [m]"));
+    fn a_chart_without_points_says_so() {
         let empty = Chart::new("t", "x", "y").line("a", vec![[f64::NAN, 0.0]]);
         assert!(empty.to_html().contains("No data to show"));
+    }
+
+    #[test]
+    fn a_logarithmic_axis_keeps_its_lowest_decade() {
+        let decades = |i: i32| f64::from(i) / 5_000.0;
+        let points = (0..20_000).map(|i| [10_f64.powf(decades(i)), f64::from(i % 2)]);
+        let chart = Chart::new("t", "frequency [Hz]", "size [dB]").with_log_x();
+        let thinned = chart.thinned(&points.collect::<Vec<_>>());
+        let lowest = thinned.iter().filter(|point| point[0] < 10.0).count();
+        assert!(thinned.len() < 4_100 && lowest >= 500, "{lowest}");
     }
 }

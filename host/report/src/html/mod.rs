@@ -9,6 +9,7 @@ mod bars;
 mod chart;
 mod decimate;
 mod page;
+mod uplot;
 
 pub use animation::{AnimatedBody, AnimatedTrace, Animation};
 pub use bands::BANDS;
@@ -16,6 +17,7 @@ pub use bars::{Bar, bars};
 pub use chart::{Chart, Series, Stroke};
 pub(crate) use decimate::{BoundingBox, is_finite, thin};
 pub use page::Page;
+pub use uplot::{UPLOT_SCRIPT, UPLOT_STYLE};
 
 /// A point of a chart or a drawing. A point with a coordinate that is not finite is a gap in the
 /// curve.

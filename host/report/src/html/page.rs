@@ -1,7 +1,9 @@
 //! The page of a report: text, tables and pictures, one below the other.
 
+use super::uplot::{UPLOT_SCRIPT, UPLOT_STYLE};
 use super::{Animation, Chart};
 use quick_xml::escape::escape;
+use serde_json::Value;
 use std::fmt::Write as _;
 
 /// A report under construction.
@@ -10,6 +12,7 @@ pub struct Page {
     title: String,
     body: String,
     animated: bool,
+    charted: bool,
 }
 
 impl Page {
@@ -19,6 +22,7 @@ impl Page {
             title: title.into(),
             body: String::new(),
             animated: false,
+            charted: false,
         }
     }
 
@@ -82,6 +86,7 @@ impl Page {
 
     /// Adds a chart.
     pub fn chart(&mut self, chart: &Chart) -> &mut Self {
+        self.charted = true;
         self.push(&chart.to_html())
     }
 
@@ -103,18 +108,26 @@ impl Page {
     /// The whole page as one HTML file.
     pub fn render(&self) -> String {
         let title = escape(&self.title);
-        let style = include_str!("style.css");
-        let script = if self.animated {
-            concat!("<script>\n", include_str!("animation.js"), "</script>\n")
-        } else {
-            ""
-        };
+        let mut style = include_str!("style.css").to_owned();
+        let mut scripts = String::new();
+        let mut script = |text: &str| scripts += &format!("<script>\n{text}</script>\n");
+        if self.charted {
+            style.insert_str(0, UPLOT_STYLE);
+            script(UPLOT_SCRIPT);
+            script(include_str!("charts.js"));
+        }
+        if self.animated {
+            script(include_str!("animation.js"));
+        }
+        if !scripts.is_empty() {
+            scripts += "<noscript>The charts and the animation need JavaScript.</noscript>\n";
+        }
         let body = &self.body;
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{title}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n\
-             <h1>{title}</h1>\n{body}</main>\n{script}</body>\n</html>\n"
+             <h1>{title}</h1>\n{body}</main>\n{scripts}</body>\n</html>\n"
         )
     }
 
@@ -122,6 +135,14 @@ impl Page {
         self.body.push_str(html);
         self
     }
+}
+
+/// An element with data for a script.
+pub(super) fn json_element(data: &Value) -> String {
+    // A "<" must not occur in a script element. In JSON it occurs in strings only, where it
+    // can be escaped.
+    let data = data.to_string().replace('<', "\\u003c");
+    format!("<script type=\"application/json\">{data}</script>")
 }
 
 fn starts_like_a_number(cell: &str) -> bool {
@@ -158,7 +179,19 @@ mod tests {
             .figure("<svg/>", evil)
             .animation(&animation)
             .render();
-        assert!(!html.contains("alert('"));
+        // Data for a script end at the first "<", which none may have within.
+        let (mut text, mut data) = (String::new(), String::new());
+        for (index, part) in html.split("<script type=\"application/json\">").enumerate() {
+            let (json, rest) = if index == 0 {
+                ("", part)
+            } else {
+                part.split_once("</script>").unwrap()
+            };
+            data += json;
+            text += rest;
+        }
+        assert!(!text.contains("alert('") && !data.contains('<'));
+        assert!(data.contains("\\u003cscript>alert('"));
         assert!(!html.contains("<script>alert"));
         assert!(html.contains("&lt;script&gt;alert(&apos;&quot;&amp;&apos;)"));
     }
@@ -168,9 +201,10 @@ mod tests {
         let chart = Chart::new("t", "x", "y").line("s", vec![[0.0, 0.0], [1.0, 1.0]]);
         let animation = Animation::new("a", "m", vec![0.0]);
         let html = Page::new("p").chart(&chart).animation(&animation).render();
-        let without_namespace = html.replace("http://www.w3.org/2000/svg", "");
+        // The library names its home in a comment.
+        let html = html.replace("https://github.com/leeoniya/uPlot", "");
         for reference in ["http:", "https:", "src=", "href=", "url(", "@import"] {
-            assert!(!without_namespace.contains(reference), "{reference}");
+            assert!(!html.contains(reference), "{reference}");
         }
     }
 

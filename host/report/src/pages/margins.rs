@@ -20,26 +20,28 @@ pub fn margins(study: &MarginsStudy<'_>) -> Page {
     for line in text::margins(study).lines() {
         page.paragraph(line.trim());
     }
-    let decades = |omega: f64| (omega / TAU).log10();
     let decibel = |size: f64| 20.0 * size.max(1e-9).log10();
     let lines = |value: &dyn Fn(nalgebra::Complex<f64>) -> f64, i: usize| {
         study
             .loci
             .iter()
-            .map(|point| [decades(point.omega), value(point.loci[i])])
+            .map(|point| [point.omega / TAU, value(point.loci[i])])
             .collect::<Vec<[f64; 2]>>()
     };
-    let x = "log10 of the frequency in Hz";
+    let x = "frequency [Hz]";
     let both = |title: &str, unit: &str, value: &dyn Fn(nalgebra::Complex<f64>) -> f64| {
         Chart::new(title, x, unit)
             .line("first eigenvalue", lines(value, 0))
             .dashed("second eigenvalue", lines(value, 1))
+            .with_log_x()
     };
-    page.chart(&both("Open loop: size", "dB", &|l| decibel(l.norm())));
-    page.chart(&both("Open loop: phase", "degrees", &|l| {
+    page.chart(&both("Open loop: size", "size [dB]", &|l| {
+        decibel(l.norm())
+    }));
+    page.chart(&both("Open loop: phase", "phase [°]", &|l| {
         l.arg().to_degrees()
     }));
-    page.chart(&both("Sensitivity 1/(1 + λ)", "dB", &|l| {
+    page.chart(&both("Sensitivity 1/(1 + λ)", "size [dB]", &|l| {
         -decibel((l + 1.0).norm())
     }));
     let rows: Vec<Vec<String>> = study

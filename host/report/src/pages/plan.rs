@@ -45,7 +45,7 @@ fn phase_plane(study: &PlanStudy, run: &Run) -> Chart {
             },
         ]
     };
-    Chart::new("Phase plane", "s", "ds/dt")
+    Chart::new("Phase plane", "path parameter s", "ṡ [unit of s / s]")
         .dashed(
             "maximum velocity curve",
             run.samples.iter().map(curve).collect(),

@@ -26,9 +26,9 @@ const map = new WorkspaceMap(await json("maps.json"));
 const drawing = new Drawing(at("arm"), arm, map);
 const drag = new DragHandler(at("arm"), drawing);
 const plots = {
-  error: new Plot(at("error"), ["--one"]),
-  torque: new Plot(at("torque"), ["--one", "--four"]),
-  current: new Plot(at("current"), ["--one", "--four"]),
+  error: new Plot(at("error"), "error [µm]", ["error"], ["--one"]),
+  torque: new Plot(at("torque"), "torque [N·m]", ["joint 1", "joint 4"], ["--one", "--four"]),
+  current: new Plot(at("current"), "current [A]", ["joint 1", "joint 4"], ["--one", "--four"]),
 };
 let me = null; // this page's number
 let elbows = null; // the sides of the arm's elbows

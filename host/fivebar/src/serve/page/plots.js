@@ -1,78 +1,62 @@
-// A plot of one or two curves over the last seconds.
+// A plot of one or two values over the last seconds. A drag zooms, and a double click shows the
+// last seconds again.
 import { colour } from "./colour.js";
 
 const SPAN = 10; // s
-const MARGIN = 44; // px left of the curves, for the levels
+const HEIGHT = 170; // px
 
 export class Plot {
-  #canvas;
-  #context;
+  #place;
+  #unit;
+  #names;
   #colours;
-  #samples = [];
+  #plot;
+  #zoomed = false;
+  // Times, then the values of each series.
+  #data;
 
-  constructor(canvas, colours) {
-    this.#canvas = canvas;
-    this.#context = canvas.getContext("2d");
-    this.#colours = colours;
+  constructor(place, unit, names, colours) {
+    [this.#place, this.#unit, this.#names, this.#colours] = [place, unit, names, colours];
+    this.#data = [[], ...names.map(() => [])];
+    this.#make();
+    new ResizeObserver(() => this.#plot.setSize({ width: place.clientWidth, height: HEIGHT })).observe(place);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#make());
+  }
+
+  #make() {
+    this.#plot?.destroy();
+    const text = (value) => (value === null ? "–" : String(Number(value.toPrecision(4))).replaceAll("-", "−"));
+    const line = { stroke: colour("--grid"), width: 1 };
+    const axis = (label, more) => ({ label, labelSize: 18, stroke: colour("--quiet"), grid: line, ticks: line,
+      font: "12px system-ui", labelFont: "12px system-ui", values: (_, values) => values.map(text), ...more });
+    const series = this.#names.map((label, index) => (
+      { label, stroke: colour(this.#colours[index]), width: 1.5, points: { show: false }, value: (_, value) => text(value) }));
+    const whole = () => { this.#zoomed = false; this.draw(); };
+    this.#plot = new uPlot({
+      width: this.#place.clientWidth,
+      height: HEIGHT,
+      scales: { x: { time: false }, y: { range: { min: { pad: 0.1, soft: 0, mode: 1 }, max: { pad: 0.1, soft: 0, mode: 1 } } } },
+      axes: [axis("time [s]", { size: 28 }), axis(this.#unit, { size: 48 })],
+      series: [{ label: "time [s]", value: (_, value) => text(value) }, ...series],
+      cursor: { bind: { dblclick: () => whole } },
+      hooks: { setSelect: [() => (this.#zoomed = true)] },
+    }, this.#data, this.#place);
   }
 
   // A value that is null breaks its curve.
   add(time, values) {
-    if (this.#samples.length && time < this.#samples.at(-1).time) this.#samples = [];
-    this.#samples.push({ time, values });
-    while (this.#samples[0].time < time - SPAN) this.#samples.shift();
+    const [times] = this.#data;
+    if (times.length && time < times.at(-1)) for (const column of this.#data) column.length = 0;
+    [time, ...values].forEach((value, index) => this.#data[index].push(value));
+    const old = times.findIndex((kept) => kept >= time - SPAN);
+    for (const column of this.#data) column.splice(0, old);
   }
 
   draw() {
-    const canvas = this.#canvas, context = this.#context;
-    const { clientWidth: width, clientHeight: height } = canvas;
-    if (!width || !this.#samples.length) return;
-    const ratio = window.devicePixelRatio || 1;
-    Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
-    context.scale(ratio, ratio);
-    const now = this.#samples.at(-1).time;
-    const values = this.#samples.flatMap((sample) => sample.values).filter((v) => v !== null);
-    const high = niceAbove(Math.max(0, ...values)), low = -niceAbove(Math.max(0, ...values.map((v) => -v)));
-    const range = high - low || 1;
-    const x = (time) => width - ((width - MARGIN) * (now - time)) / SPAN;
-    const y = (value) => 10 + ((high - value) / range) * (height - 20);
-    this.#drawLevels([...new Set([low, 0, high])], y, width);
-    context.lineWidth = 1.5;
-    context.lineJoin = "round";
-    this.#colours.forEach((name, index) => {
-      context.strokeStyle = colour(name);
-      context.beginPath();
-      let pen = "moveTo";
-      for (const sample of this.#samples) {
-        const value = sample.values[index];
-        if (value !== null) context[pen](x(sample.time), y(value));
-        pen = value === null ? "moveTo" : "lineTo";
-      }
-      context.stroke();
-    });
+    const now = this.#data[0].at(-1);
+    if (now === undefined) return;
+    this.#plot.setData(this.#data, false);
+    if (this.#zoomed) this.#plot.redraw();
+    else this.#plot.setScale("x", { min: now - SPAN, max: now });
   }
-
-  #drawLevels(levels, y, width) {
-    const context = this.#context;
-    context.fillStyle = colour("--quiet");
-    context.strokeStyle = colour("--grid");
-    context.font = "12px system-ui, sans-serif";
-    context.textAlign = "right";
-    context.textBaseline = "middle";
-    for (const level of levels) {
-      context.beginPath();
-      context.moveTo(MARGIN, y(level));
-      context.lineTo(width, y(level));
-      context.stroke();
-      context.fillText(String(level).replace("-", "−"), MARGIN - 6, y(level));
-    }
-  }
-}
-
-// The least of 1, 2, 5 times a power of ten that is at least the value; 0 for 0.
-function niceAbove(value) {
-  if (!(value > 0)) return 0;
-  const power = 10 ** Math.floor(Math.log10(value));
-  const digit = [1, 2, 5, 10].find((candidate) => candidate * power >= value);
-  return Number((digit * power).toPrecision(2));
 }
