@@ -95,16 +95,16 @@ def judge(mutant, tests):
     return SURVIVES
 
 
-def judge_constant(mutant, source, package, tests):
+def judge_constant(mutant, source, crate, tests):
     """Builds one mutant in the place of its file."""
     switchable.write(mutant["file"], switchable.changed(source.text, mutant["changes"]))
-    _, errors = switchable.build(package)
+    _, errors = switchable.build(crate)
     return "does not compile" if errors else judge(mutant, tests)
 
 
 def list_mutants(crate, files):
     words = [word for file in files for word in ("--file", file)]
-    command = ["cargo", "mutants", "--list", "--json", "--package", f"fivebar-{crate}", *words]
+    command = ["cargo", "mutants", "--list", "--json", "--package", switchable.package_of(crate), *words]
     listed = seeded_mistakes.run(*command, cwd=ROOT)
     if listed.returncode != 0:
         raise SystemExit(listed.stderr)
@@ -124,7 +124,7 @@ def list_mistakes():
 
 
 def run_crate(crate, mutants, place, options):
-    package = f"fivebar-{crate}"
+    package = switchable.package_of(crate)
     programs, sources = switchable.compile_all(crate, mutants, place)
     tests = list(tests_of(programs, crate))
     for test in tests:
@@ -142,7 +142,7 @@ def run_crate(crate, mutants, place, options):
     for mutant in mutants:
         if options.constants and mutant.get("outcome") == CONSTANT and re.search(options.only, mutant["name"]):
             switched_file = (COPY / mutant["file"]).read_bytes()
-            mutant["outcome"] = judge_constant(mutant, sources[mutant["file"]], package, tests)
+            mutant["outcome"] = judge_constant(mutant, sources[mutant["file"]], crate, tests)
             switchable.write(mutant["file"], switched_file)
             print(f"{mutant['outcome']}: {mutant['name']}", flush=True)
     return [{key: m.get(key, "not run") for key in ("name", "file", "outcome")} for m in mutants]
@@ -195,7 +195,7 @@ def main():
         report = run_crate("firmware", list_mistakes(), switchable.place_mistake, options)
         for mutant in report:
             print(f"{mutant['name']} | {mutant['outcome']}")
-    for crate in ("firmware", "kinematics"):
+    for crate in switchable.CRATES:
         files = [file for file in options.files if file.startswith(crate + "/")]
         if files:
             report += run_crate(crate, list_mutants(crate, files), switchable.place_listed, options)

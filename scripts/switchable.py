@@ -19,9 +19,17 @@ COPY = seeded_mistakes.BUILT / "mutants-tree"
 PARSER = tree_sitter.Parser(tree_sitter.Language(tree_sitter_rust.language()))
 CHAIN = ("binary_expression", "compound_assignment_expr")
 CONSTANT = "constant"
+# The crates by their folders, with the tests that run for their mutants. Those of the program with connections
+# take minutes, and wait for real time.
+CRATES = {
+    "firmware": ["--lib", "--tests"],
+    "kinematics": ["--lib", "--tests"],
+    "host/fivebar": ["--lib"],
+}
 SWITCH = """
 /// Which mutant is switched on, and which were reached.
 #[doc(hidden)]
+#[allow(unsafe_code)]
 pub mod mutant {
     extern crate std;
     use core::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
@@ -259,10 +267,14 @@ def write_sources(crate, sources, count, left_out):
     write(lib, (ROOT / lib).read_bytes() + SWITCH.replace("@COUNT@", str(count)).encode())
 
 
-def build(package):
+def package_of(crate):
+    return {"host/fivebar": "fivebar"}.get(crate, f"fivebar-{crate}")
+
+
+def build(crate):
     """Builds the tests; gives their programs and the compiler's errors."""
     environment = seeded_mistakes.without_target_dir(RUSTFLAGS="--cap-lints=allow", CARGO_INCREMENTAL="1")
-    command = ["cargo", "test", "--no-run", "--package", package, "--lib", "--tests", "--message-format=json"]
+    command = ["cargo", "test", "--no-run", "--package", package_of(crate), *CRATES[crate], "--message-format=json"]
     done = seeded_mistakes.run(*command, cwd=COPY, env=environment)
     programs, errors = [], []
     for message in map(json.loads, done.stdout.splitlines()):
@@ -291,7 +303,6 @@ def blamed(error):
 def compile_all(crate, mutants, place):
     """Builds the program of all mutants that can be switched. The others get their outcome:
     `CONSTANT`, or that they do not compile. Gives the test programs and the sources."""
-    package = f"fivebar-{crate}"
     constant_functions, left_out = set(), set()
     while True:
         sources = {mutant["file"]: Source(mutant["file"]) for mutant in mutants}
@@ -304,7 +315,7 @@ def compile_all(crate, mutants, place):
         calls = None
         while not calls:
             write_sources(crate, sources, count, left_out)
-            programs, errors = build(package)
+            programs, errors = build(crate)
             if not errors:
                 for mutant in mutants:
                     if mutant.get("number") in left_out:

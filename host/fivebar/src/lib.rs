@@ -6,3 +6,5 @@ mod commission;
 pub mod doctor;
 pub mod senders;
 pub mod serve;
+#[cfg(test)]
+mod test_session;

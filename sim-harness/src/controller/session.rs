@@ -42,6 +42,17 @@ impl Session {
         })
     }
 
+    /// A session with a controller that has a clock of its own, and these settings. It reads the status.
+    ///
+    /// # Errors
+    /// The connection failed.
+    pub fn over(
+        client: Client<Box<dyn Connection>>,
+        settings: CheckedSettings,
+    ) -> Result<Self, LinkError> {
+        Self::new(client, None, settings)
+    }
+
     /// Whether the controller is a board in lockstep, whose time is slower than real time.
     pub fn is_in_lockstep(&self) -> bool {
         self.stepped.is_some()
@@ -169,7 +180,7 @@ mod tests {
         let line: Box<dyn Connection> = Box::new(line);
         let (client, _) = Client::open(line).unwrap();
         let settings = robot.settings().unwrap().check().unwrap();
-        let mut session = Session::new(client, None, settings).unwrap();
+        let mut session = Session::over(client, settings).unwrap();
         let refusal = session.request(Request::Arm).unwrap().unwrap_err();
         assert_eq!(refusal, "The joint angles are unknown: home first.");
         session.request(Request::Home).unwrap().unwrap();

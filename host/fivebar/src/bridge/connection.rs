@@ -58,9 +58,9 @@ impl Visitor {
 pub(super) struct Presence {
     /// Who it is: an address, or the terminal.
     pub(super) peer: String,
-    begun: Instant,
+    pub(super) begun: Instant,
     /// When the latest byte came [ms after `begun`].
-    received: AtomicU64,
+    pub(super) received: AtomicU64,
     /// Reports that the sender waits for. One answers all that were asked for meanwhile, as Grbl does.
     reports: AtomicU32,
     /// Why the connection has ended.
@@ -289,19 +289,25 @@ pub(super) struct Listening {
     pub(super) connections: Connections,
 }
 
+/// Where senders ask for control, and the slot's end of their connections.
+pub(super) fn desk(dialect: Option<Dialect>) -> (Desk, Connections) {
+    let (sender, events) = mpsc::sync_channel(EVENTS);
+    let shared = Arc::<Shared>::default();
+    let desk = Desk {
+        shared: Arc::clone(&shared),
+        events: sender,
+        dialect,
+    };
+    (desk, Connections { events, shared })
+}
+
 /// Starts the threads that accept senders: at a pseudo-terminal if this system has one, and over
 /// TCP if an address is given.
 pub(super) fn listen(
     address: Option<SocketAddr>,
     dialect: Option<Dialect>,
 ) -> Result<Listening, BridgeError> {
-    let (events, receiver) = mpsc::sync_channel(EVENTS);
-    let shared = Arc::<Shared>::default();
-    let desk = Desk {
-        shared: Arc::clone(&shared),
-        events,
-        dialect,
-    };
+    let (desk, connections) = desk(dialect);
     let address = address.map(|address| network::listen(address, desk.clone()));
     let address = address.transpose()?;
     let terminal = terminal::open(desk).map_err(BridgeError::Terminal)?;
@@ -311,9 +317,6 @@ pub(super) fn listen(
     Ok(Listening {
         address,
         terminal,
-        connections: Connections {
-            events: receiver,
-            shared,
-        },
+        connections,
     })
 }

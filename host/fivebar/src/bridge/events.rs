@@ -258,7 +258,7 @@ impl SenderSlot<'_> {
 }
 
 /// A share after a change.
-fn changed(share: f32, change: ShareChange) -> f32 {
+pub(super) fn changed(share: f32, change: ShareChange) -> f32 {
     part(match change {
         ShareChange::To(to) => to,
         ShareChange::By(by) => (100.0 * share).round() as i32 + by,
@@ -266,6 +266,6 @@ fn changed(share: f32, change: ShareChange) -> f32 {
 }
 
 /// A share in percent, as a part of the whole.
-fn part(percent: i32) -> f32 {
+pub(super) fn part(percent: i32) -> f32 {
     percent as f32 / 100.0
 }

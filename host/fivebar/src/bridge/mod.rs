@@ -29,6 +29,8 @@ mod protocol;
 mod sender;
 mod slot;
 mod terminal;
+#[cfg(test)]
+mod tests;
 mod view;
 
 use crate::senders::Endpoints;

@@ -12,10 +12,10 @@ use std::sync::mpsc::{self, Receiver};
 use std::time::Instant;
 
 /// The sender slot of a page's server.
-struct PageSenders {
-    slot: SenderSlot<'static>,
-    endpoints: Endpoints,
-    notes: Receiver<String>,
+pub(super) struct PageSenders {
+    pub(super) slot: SenderSlot<'static>,
+    pub(super) endpoints: Endpoints,
+    pub(super) notes: Receiver<String>,
 }
 
 /// Listens for senders that may move the arm of this session. Its controller runs at `place`.

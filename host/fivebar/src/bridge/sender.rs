@@ -20,7 +20,7 @@ pub(super) struct Sender {
     pub(super) waiting: usize,
     /// The line in progress.
     pub(super) current: Option<(Dialect, Response)>,
-    busy_since: Instant,
+    pub(super) busy_since: Instant,
     pub(super) lost: Option<String>,
 }
 

@@ -79,3 +79,6 @@ impl ControllerThread {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

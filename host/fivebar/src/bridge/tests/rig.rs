@@ -1,0 +1,259 @@
+//! A sender slot, and senders whose bytes a test gives.
+
+use crate::bridge::connection::{Desk, Outlet, Presence, desk};
+use crate::bridge::slot::SenderSlot;
+use crate::bridge::{BridgeOptions, Reading};
+use crate::test_session::{self, ROUNDS, robot};
+use fivebar_firmware::Status;
+use fivebar_firmware::safety::State;
+use fivebar_sim::controller::Session;
+use std::io::ErrorKind;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Longest wait for a thread of the connection.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// How long a sender seems to have been connected when it asks for control.
+const AGE: Duration = Duration::from_secs(60);
+
+pub(super) struct Rig {
+    pub(super) session: Session,
+    pub(super) slot: SenderSlot<'static>,
+    notes: Receiver<String>,
+    desk: Desk,
+}
+
+/// A sender.
+pub(super) struct Caller {
+    pub(super) presence: Arc<Presence>,
+    /// Its bytes. Its thread takes each piece only when it has done the one before.
+    bytes: SyncSender<Vec<u8>>,
+    heard: Arc<Mutex<String>>,
+    closed: Arc<AtomicBool>,
+}
+
+impl Rig {
+    /// An arm that is not homed.
+    pub(super) fn new() -> Self {
+        Self::with(test_session::session())
+    }
+
+    pub(super) fn homed() -> Self {
+        Self::with(test_session::homed())
+    }
+
+    fn with(mut session: Session) -> Self {
+        let (desk, connections) = desk(None);
+        let (sender, notes) = mpsc::channel();
+        let note = Box::new(move |text: &str| drop(sender.send(text.to_owned())));
+        let reading = Reading::new(&robot(), &BridgeOptions::at(None)).unwrap();
+        let slot = SenderSlot::new(&mut session, reading, connections, note, None).unwrap();
+        Self {
+            session,
+            slot,
+            notes,
+            desk,
+        }
+    }
+
+    /// A sender that asks for control, which the slot has not yet answered.
+    pub(super) fn call(&self) -> Caller {
+        let mut presence = Presence::new("a test".into());
+        let fields = Arc::get_mut(&mut presence).expect("nobody else has it");
+        fields.begun -= AGE;
+        fields.received = (AGE.as_millis() as u64).into();
+        let (bytes, input) = mpsc::sync_channel::<Vec<u8>>(0);
+        let heard = Arc::<Mutex<String>>::default();
+        let closed = Arc::<AtomicBool>::default();
+        let (text, end) = (Arc::clone(&heard), Arc::clone(&closed));
+        let write = move |answer: &str| {
+            text.lock().unwrap().push_str(answer);
+            true
+        };
+        let close = move || end.store(true, Ordering::SeqCst);
+        let outlet = Outlet::start(Arc::clone(&presence), write, close);
+        let (desk, gate) = (self.desk.clone(), self.desk.guarded_gate());
+        let line = Arc::clone(&presence);
+        thread::spawn(move || {
+            if desk.ask(outlet) {
+                desk.pass_on(&line, gate, |buffer| match input.recv() {
+                    Ok(bytes) if bytes.is_empty() => Err(ErrorKind::TimedOut.into()),
+                    Ok(bytes) => {
+                        buffer[..bytes.len()].copy_from_slice(&bytes);
+                        Ok(bytes.len())
+                    }
+                    Err(_) => Ok(0),
+                });
+            }
+        });
+        Caller {
+            presence,
+            bytes,
+            heard,
+            closed,
+        }
+    }
+
+    /// A sender in control, which has read its greeting.
+    pub(super) fn connect(&mut self) -> Caller {
+        let caller = self.call();
+        self.until(|rig| rig.slot.sender.is_some());
+        self.answer(&caller);
+        caller
+    }
+
+    /// Serves the slot once, and passes 10 ms.
+    pub(super) fn round(&mut self) {
+        self.slot.serve_sender(&mut self.session).unwrap();
+        self.session.pass_time().unwrap();
+    }
+
+    /// Serves the slot until this is so.
+    pub(super) fn until(&mut self, wanted: impl Fn(&Self) -> bool) {
+        let start = Instant::now();
+        // A connection's thread may be slow on a busy machine: then only real time passes.
+        let mut rounds = 0;
+        while rounds < ROUNDS || start.elapsed() < LONGEST {
+            if wanted(self) {
+                return;
+            }
+            self.round();
+            rounds += 1;
+        }
+        panic!("it takes long: {:?}, {:?}", self.slot.phase, self.status());
+    }
+
+    pub(super) fn until_rest(&mut self) {
+        self.until(|rig| rig.rests());
+    }
+
+    /// Whether the arm rests and nothing waits.
+    pub(super) fn rests(&self) -> bool {
+        let done = self.slot.sender.as_ref().is_none_or(|s| s.has_no_lines());
+        done && self.slot.path.queue.is_empty() && self.state() != State::Running
+    }
+
+    pub(super) fn status(&self) -> Status {
+        self.session.status
+    }
+
+    pub(super) fn state(&self) -> State {
+        self.session.status.state
+    }
+
+    /// What the sender was sent since the last call, with all that the slot has sent so far.
+    pub(super) fn answer(&self, caller: &Caller) -> String {
+        const MARK: &str = "#";
+        if let Some(sender) = &self.slot.sender
+            && Arc::ptr_eq(&sender.outlet.presence, &caller.presence)
+            && caller.presence.ended().is_none()
+        {
+            sender.outlet.send(MARK);
+            caller.wait_for(MARK);
+        }
+        std::mem::take(&mut *caller.heard.lock().unwrap()).replace(MARK, "")
+    }
+
+    /// What the sender is sent until its lines are done and the arm rests.
+    pub(super) fn asked(&mut self, caller: &Caller, text: &str) -> String {
+        caller.say(text);
+        self.round();
+        self.until_rest();
+        self.answer(caller)
+    }
+
+    /// The answer to `?`.
+    pub(super) fn report(&mut self, caller: &Caller) -> String {
+        caller.say("?");
+        self.round();
+        let answer = self.answer(caller);
+        let reports: Vec<_> = answer
+            .lines()
+            .filter(|line| line.starts_with('<'))
+            .collect();
+        assert_eq!(reports.len(), 1, "{answer}");
+        reports[0].into()
+    }
+
+    /// The next thing that a user should know.
+    pub(super) fn note(&self) -> Option<String> {
+        self.notes.try_recv().ok()
+    }
+
+    pub(super) fn into_parts(self) -> (SenderSlot<'static>, Session, Receiver<String>) {
+        (self.slot, self.session, self.notes)
+    }
+
+    /// A sender that follows a line of 40 mm at 3 m/min.
+    pub(super) fn drawing(&mut self) -> Caller {
+        let caller = self.connect();
+        caller.say("G91 G1 X-40 F3000\n");
+        self.until(|rig| rig.state() == State::Running);
+        self.answer(&caller);
+        caller
+    }
+}
+
+impl Caller {
+    /// Sends bytes; they are read when this returns.
+    pub(super) fn say(&self, text: &str) {
+        self.send(text.as_bytes());
+    }
+
+    pub(super) fn send(&self, bytes: &[u8]) {
+        let ended = "a connection that has not ended";
+        self.bytes.send(bytes.to_vec()).expect(ended);
+        self.bytes.send(Vec::new()).expect(ended);
+    }
+
+    /// Sends bytes by which the connection ends.
+    pub(super) fn say_last(&self, text: &str) {
+        let ended = "a connection that has not ended";
+        self.bytes.send(text.into()).expect(ended);
+        until(|| self.presence.ended().is_some());
+    }
+
+    /// Closes the connection; it has ended when this returns.
+    pub(super) fn hang_up(self) -> Arc<Presence> {
+        drop(self.bytes);
+        until(|| self.presence.ended().is_some());
+        self.presence
+    }
+
+    /// Has the sender been silent for this long.
+    pub(super) fn set_silence(&self, silence: Duration) {
+        let now = self.presence.begun.elapsed();
+        let received = now.saturating_sub(silence);
+        assert!(received > Duration::ZERO, "it is connected for less");
+        self.presence
+            .received
+            .store(received.as_millis() as u64, Ordering::SeqCst);
+    }
+
+    pub(super) fn is_closed(&self) -> bool {
+        self.closed.load(Ordering::SeqCst)
+    }
+
+    pub(super) fn wait_for(&self, text: &str) {
+        until(|| self.heard.lock().unwrap().contains(text));
+    }
+
+    /// What a sender was sent that gets no control.
+    pub(super) fn refusal(&self) -> String {
+        until(|| self.is_closed());
+        self.heard.lock().unwrap().clone()
+    }
+}
+
+/// Waits for a thread of a connection.
+pub(super) fn until(wanted: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !wanted() {
+        assert!(start.elapsed() < LONGEST, "it takes long");
+        thread::sleep(Duration::from_millis(1));
+    }
+}

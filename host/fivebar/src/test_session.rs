@@ -1,0 +1,47 @@
+//! A session with a simulated arm whose time passes only while the host waits, so that what a test finds does
+//! not depend on how busy the machine is.
+
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
+use fivebar_firmware::Request;
+use fivebar_sim::controller::{Connection, Session};
+use fivebar_sim::link::{Client, Loopback};
+use fivebar_sim::simulation::Simulate as _;
+
+/// Rounds of 10 ms within which whatever a test waits for must have come.
+pub(crate) const ROUNDS: u32 = 3000;
+
+pub(crate) fn robot() -> Robot {
+    Robot::load("benchtop").unwrap()
+}
+
+/// A session with the benchtop arm, not homed, its bridges off.
+pub(crate) fn session() -> Session {
+    let scenario = Scenario::new("test", robot(), "test", String::new());
+    let mut plant = scenario.plant().unwrap();
+    let period = 1.0 / robot().control.tick_rate;
+    let arm = move |command: &_| {
+        plant.step(command, period);
+        plant.sense()
+    };
+    let settings = robot().settings().unwrap();
+    let line = Loopback::driving(&settings, Box::new(arm)).unwrap();
+    let line: Box<dyn Connection> = Box::new(line);
+    let (client, _) = Client::open(line).unwrap();
+    Session::over(client, settings.check().unwrap()).unwrap()
+}
+
+/// The same after homing.
+pub(crate) fn homed() -> Session {
+    let mut session = session();
+    session.request(Request::Home).unwrap().unwrap();
+    for _ in 0..ROUNDS {
+        session.read_status().unwrap();
+        if session.status.homed {
+            session.wait_until_off().unwrap();
+            return session;
+        }
+        session.pass_time().unwrap();
+    }
+    panic!("homing takes long: {:?}", session.status);
+}
