@@ -29,6 +29,10 @@ def copy_sources(copy):
     for file in filter(None, listed.split("\n")):
         source, target = ROOT / file, copy / file
         target.parent.mkdir(parents=True, exist_ok=True)
+        if source.is_symlink():
+            target.unlink(missing_ok=True)
+            target.symlink_to(source.readlink())
+            continue
         # A copy gets the present time: with an old one, cargo would not see that it replaces a
         # file in which a mistake was seeded and compiled.
         if source.exists() and not (target.exists() and filecmp.cmp(source, target, shallow=False)):

@@ -136,7 +136,7 @@ class Source:
 
 
 def place_listed(source, mutant, constant_functions):
-    """Finds the site of a mutant that cargo-mutants lists."""
+    """Finds the site of a mutant that cargo-mutants lists; none if it cannot compile."""
     start, end = (source.offset(mutant["span"][side]) for side in ("start", "end"))
     mutant["changes"] = [(start, end, mutant["replacement"].encode())]
     outer, function = source.around(start, end)
@@ -152,6 +152,9 @@ def place_listed(source, mutant, constant_functions):
     if mutant["genre"] == "FnValue":
         kind, node = "body", function.child_by_field_name("body")
     elif mutant["genre"] == "MatchArm":
+        # cargo-mutants takes `_ if …` for an arm that takes what is left.
+        if not any(arm.child_by_field_name("pattern").text == b"_" for arm in node.parent.named_children):
+            return None
         kind, node = "arm", node.child_by_field_name("pattern")
     elif mutant["genre"] == "MatchArmGuard":
         node = outer[0]
@@ -309,8 +312,9 @@ def compile_all(crate, mutants, place):
         for mutant in mutants:
             for key in ("number", "noted_as", "outcome"):
                 mutant.pop(key, None)
-            if not place(sources[mutant["file"]], mutant, constant_functions):
-                mutant["outcome"] = CONSTANT
+            placed = place(sources[mutant["file"]], mutant, constant_functions)
+            if not placed:
+                mutant["outcome"] = CONSTANT if placed is False else "does not compile"
         count = number_mutants(sources)
         calls = None
         while not calls:

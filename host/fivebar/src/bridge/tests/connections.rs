@@ -2,11 +2,15 @@
 
 use super::rig::until;
 use crate::bridge::connection::{Connections, Event, Outlet, Presence, desk, listen};
-use crate::bridge::{BridgeOptions, log_of};
+use crate::bridge::{BridgeOptions, bridge, log_of};
+use crate::senders::Endpoints;
 use crate::test_session;
-use std::io::{self, ErrorKind};
+use fivebar_sim::controller::ControllerSource;
+use std::cell::RefCell;
+use std::io::{self, BufRead as _, BufReader, ErrorKind};
+use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 
 /// Why a connection ends whose reads give this, then the end.
@@ -129,6 +133,30 @@ fn senders_reach_the_terminal_without_an_address() {
     let here = Some("127.0.0.1:0".parse().unwrap());
     let listening = listen(here, None).unwrap();
     assert!(listening.address.unwrap().port() != 0);
+}
+
+#[test]
+fn the_bridge_greets_a_sender_over_tcp() {
+    let (greeted, greeting) = mpsc::channel();
+    let ready = move |endpoints: &Endpoints| {
+        let stream = TcpStream::connect(endpoints.address.unwrap()).unwrap();
+        thread::spawn(move || {
+            let mut lines = BufReader::new(stream).lines().map_while(Result::ok);
+            let greeting = lines.find(|line| !line.is_empty());
+            greeted.send(greeting.unwrap_or_default())
+        });
+    };
+    let heard = RefCell::new(None);
+    let ends = || {
+        *heard.borrow_mut() = greeting.try_recv().ok();
+        heard.borrow().is_some()
+    };
+    let options = BridgeOptions::at(Some("127.0.0.1:0".parse().unwrap()));
+    let source = ControllerSource::Simulated;
+    let note = Box::new(|_: &str| ());
+    bridge(&test_session::robot(), source, &options, ready, note, &ends).unwrap();
+    let heard = heard.into_inner();
+    assert_eq!(heard.as_deref(), Some("Grbl 1.1h ['$' for help]"));
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use super::rig::Rig;
 use crate::bridge::slot::Phase;
+use fivebar_firmware::Request;
 use fivebar_firmware::safety::State;
+use std::time::{Duration, Instant};
 
 /// The tool's X [mm].
 fn x(rig: &Rig) -> f64 {
@@ -27,6 +29,20 @@ fn a_sender_homes_its_arm_and_then_may_move_it() {
     rig.until(|rig| rig.state() == State::Armed && rig.rests());
     assert!((x(&rig) - start + 5.0).abs() < 0.2, "{start} {}", x(&rig));
     assert!(rig.report(&sender).starts_with("<Idle|MPos:-"));
+}
+
+#[test]
+fn homing_that_somebody_else_ends_has_failed_and_can_be_repeated() {
+    let mut rig = Rig::new();
+    let sender = rig.connect();
+    sender.say("$H\n");
+    rig.until(|rig| rig.state() == State::Homing);
+    rig.session.request(Request::Stop).unwrap().unwrap();
+    rig.until_rest();
+    let answer = rig.answer(&sender);
+    assert_eq!(answer, "[MSG:homing has failed]\nerror:9\n");
+    assert_eq!(rig.asked(&sender, "$H\n"), "ok\n");
+    assert!(rig.status().homed);
 }
 
 /// Homing begins with the bridges off, and after all moves.
@@ -93,7 +109,18 @@ fn m84_switches_off_at_the_end_of_the_path() {
     rig.until_rest();
     rig.round();
     assert_eq!(rig.state(), State::Stopped);
-    assert!(rig.answer(&sender).ends_with("ok\nok\nok\n"));
+    assert_eq!(rig.answer(&sender).matches("ok\n").count(), 3);
+}
+
+#[test]
+fn m84_under_a_fault_finds_the_bridges_off() {
+    let mut rig = Rig::homed();
+    let sender = rig.connect();
+    rig.asked(&sender, "M115\n");
+    sender.say("M112\n");
+    rig.until(|rig| rig.state() == State::Fault);
+    rig.answer(&sender);
+    assert_eq!(rig.asked(&sender, "M84\n"), "ok\n");
 }
 
 #[test]
@@ -141,6 +168,24 @@ fn a_hold_rests_on_the_path_which_goes_on_when_the_user_says_so() {
     rig.until_rest();
     let end = f64::from(rig.status().reference.unwrap()[0] - start);
     assert!((end + 0.04).abs() < 2e-3, "the whole line is drawn: {end}");
+}
+
+/// The controller refuses what waits; the sender hears why, and may begin anew.
+#[test]
+fn a_path_whose_arm_somebody_else_has_switched_off_in_a_hold_is_dropped() {
+    let mut rig = Rig::homed();
+    let sender = rig.drawing();
+    sender.say("!");
+    rig.until(|rig| rig.slot.phase == Phase::Held);
+    rig.session.request(Request::Disarm).unwrap().unwrap();
+    rig.session.wait_until_off().unwrap();
+    rig.answer(&sender);
+    sender.say("~");
+    rig.round();
+    let answer = rig.answer(&sender);
+    assert!(answer.starts_with("[MSG:"), "{answer}");
+    assert!(rig.slot.path.queue.is_empty());
+    assert_eq!(rig.asked(&sender, "G91 G1 X-1\n"), "ok\n");
 }
 
 #[test]
@@ -228,18 +273,14 @@ fn a_slow_line_of_a_reprap_sender_is_said_to_be_in_progress() {
     rig.asked(&sender, "M115\n");
     sender.say("G91\nG1 X-30 F300\nM400\n");
     rig.until(|rig| rig.state() == State::Running);
-    rig.round();
-    assert!(!rig.answer(&sender).contains("busy"));
-    let slot = rig.slot.sender.as_mut().unwrap();
-    slot.busy_since -= std::time::Duration::from_secs(3);
-    rig.round();
-    rig.round();
-    let answer = rig.answer(&sender);
-    assert_eq!(
-        answer.matches("echo:busy: processing\n").count(),
-        1,
-        "{answer}"
-    );
+    for (passed, signs) in [(0, 0), (3, 1)] {
+        rig.answer(&sender);
+        let passed = Duration::from_secs(passed);
+        rig.slot.sender.as_mut().unwrap().busy_since = Instant::now() - passed;
+        rig.round();
+        let answer = rig.answer(&sender);
+        assert_eq!(answer, "echo:busy: processing\n".repeat(signs));
+    }
 }
 
 #[test]
@@ -249,7 +290,7 @@ fn a_grbl_sender_is_not_told_that_a_line_is_in_progress() {
     sender.say("M0\n");
     rig.round();
     let slot = rig.slot.sender.as_mut().unwrap();
-    slot.busy_since -= std::time::Duration::from_secs(3);
+    slot.busy_since -= Duration::from_secs(3);
     rig.round();
     let answer = rig.answer(&sender);
     assert!(!answer.contains("busy"), "{answer}");

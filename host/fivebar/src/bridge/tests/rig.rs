@@ -1,6 +1,6 @@
 //! A sender slot, and senders whose bytes a test gives.
 
-use crate::bridge::connection::{Desk, Outlet, Presence, desk};
+use crate::bridge::connection::{Connections, Desk, Event, Outlet, Presence, desk};
 use crate::bridge::slot::SenderSlot;
 use crate::bridge::{BridgeOptions, Reading};
 use crate::test_session::{self, ROUNDS, robot};
@@ -9,7 +9,7 @@ use fivebar_firmware::safety::State;
 use fivebar_sim::controller::Session;
 use std::io::ErrorKind;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -25,6 +25,27 @@ pub(super) struct Rig {
     pub(super) slot: SenderSlot<'static>,
     notes: Receiver<String>,
     desk: Desk,
+    relay: Arc<Relay>,
+}
+
+/// Passes events on to the slot, so that a test knows when they are there.
+struct Relay {
+    from: Mutex<Receiver<Event>>,
+    to: Sender<Event>,
+}
+
+impl Relay {
+    /// Waits for the next event.
+    fn wait(&self) {
+        let event = self.from.lock().unwrap().recv_timeout(LONGEST);
+        self.to.send(event.expect("an event")).unwrap();
+    }
+
+    fn pass_on(&self) {
+        for event in self.from.lock().unwrap().try_iter() {
+            self.to.send(event).unwrap();
+        }
+    }
 }
 
 /// A sender.
@@ -34,6 +55,7 @@ pub(super) struct Caller {
     bytes: SyncSender<Vec<u8>>,
     heard: Arc<Mutex<String>>,
     closed: Arc<AtomicBool>,
+    relay: Arc<Relay>,
 }
 
 impl Rig {
@@ -47,7 +69,16 @@ impl Rig {
     }
 
     fn with(mut session: Session) -> Self {
-        let (desk, connections) = desk(None);
+        let (desk, from) = desk(None);
+        let (to, events) = mpsc::channel();
+        let connections = Connections {
+            events,
+            shared: from.shared,
+        };
+        let relay = Arc::new(Relay {
+            from: Mutex::new(from.events),
+            to,
+        });
         let (sender, notes) = mpsc::channel();
         let note = Box::new(move |text: &str| drop(sender.send(text.to_owned())));
         let reading = Reading::new(&robot(), &BridgeOptions::at(None)).unwrap();
@@ -57,6 +88,7 @@ impl Rig {
             slot,
             notes,
             desk,
+            relay,
         }
     }
 
@@ -90,11 +122,13 @@ impl Rig {
                 });
             }
         });
+        self.relay.wait();
         Caller {
             presence,
             bytes,
             heard,
             closed,
+            relay: Arc::clone(&self.relay),
         }
     }
 
@@ -114,15 +148,11 @@ impl Rig {
 
     /// Serves the slot until this is so.
     pub(super) fn until(&mut self, wanted: impl Fn(&Self) -> bool) {
-        let start = Instant::now();
-        // A connection's thread may be slow on a busy machine: then only real time passes.
-        let mut rounds = 0;
-        while rounds < ROUNDS || start.elapsed() < LONGEST {
+        for _ in 0..ROUNDS {
             if wanted(self) {
                 return;
             }
             self.round();
-            rounds += 1;
         }
         panic!("it takes long: {:?}, {:?}", self.slot.phase, self.status());
     }
@@ -208,6 +238,7 @@ impl Caller {
         let ended = "a connection that has not ended";
         self.bytes.send(bytes.to_vec()).expect(ended);
         self.bytes.send(Vec::new()).expect(ended);
+        self.relay.pass_on();
     }
 
     /// Sends bytes by which the connection ends.

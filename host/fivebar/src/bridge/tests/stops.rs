@@ -124,6 +124,15 @@ fn a_sender_that_connects_to_a_latched_fault_waits_before_it_clears_it() {
 }
 
 #[test]
+fn a_sender_is_greeted_with_the_way_to_unlock_an_arm_that_is_not_homed() {
+    for (mut rig, greeting) in [(Rig::homed(), GREETING), (Rig::new(), LOCKED)] {
+        let sender = rig.call();
+        rig.until(|rig| rig.slot.sender.is_some());
+        assert_eq!(rig.answer(&sender), greeting);
+    }
+}
+
+#[test]
 fn what_came_before_a_stop_is_dropped_and_what_comes_after_it_is_done() {
     let mut rig = Rig::homed();
     let sender = rig.drawing();
