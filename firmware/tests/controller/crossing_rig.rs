@@ -1,35 +1,18 @@
 //! A bench for crossings. It has no arm that passes a singularity, so its cranks follow their reference, or do what a
 //! test makes them do; their motors have the currents that their duties drive.
 
+pub(crate) use crate::crossing_arm::CROSSING as PLAN;
+use crate::crossing_arm::cross;
 use crate::rig::{Bench, WAKING_TICKS, with};
 use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::settings::Settings;
 use fivebar_firmware::{CrossingMove, Move, MoveKind, Status};
 
-/// The benchtop arm with couplers of 0.12 m, as in the built-in example of crossings.
 pub(crate) fn settings() -> Settings {
-    with(|settings| {
-        settings.lengths = [0.10, 0.12, 0.12, 0.10, 0.08];
-        let [_, link2, link3, _] = &mut settings.links;
-        (link2.com, link2.inertia) = ([0.06, 0.0], 1.65e-4);
-        (link3.com, link3.inertia) = ([0.045, 0.0], 1.2e-4);
-        settings.motion.singularity_margin = 0.1;
-        for axis in &mut settings.axes {
-            axis.angle_limits = [-1.0, 4.0];
-        }
-        settings.crossing_allowed = true;
-    })
+    with(cross)
 }
 
-/// From the plan of `fivebar plan --crossing`.
-pub(crate) const PLAN: CrossingMove = CrossingMove {
-    from: [0.06, 0.115],
-    to: [0.03, 0.012],
-    duration: 0.3,
-    crosses_at: 0.165,
-    law: [-3.770_132_3, -7.055_689, 0.061_562_1],
-};
 /// θ1, θ4 at its beginning [rad].
 pub(crate) const START: [f32; 2] = [2.161_249, 0.578_428_03];
 

@@ -4,6 +4,8 @@
 mod rig;
 
 mod crossing;
+#[path = "../../../verify/stress/src/crossing_arm.rs"]
+mod crossing_arm;
 mod crossing_limits;
 mod crossing_rig;
 mod crossing_torques;

@@ -13,6 +13,7 @@
 
 mod arm;
 mod bytes;
+mod crossing_arm;
 pub mod exploration;
 mod kinds;
 pub mod limits;

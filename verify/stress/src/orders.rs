@@ -1,6 +1,7 @@
 //! What happens in a session, one event after the other.
 
 use crate::bytes::Bytes;
+use crate::crossing_arm::{CROSSING, cross};
 use crate::samples::Hostile;
 use crate::sections::{key, section, tool_output};
 use crate::timed::{TimedRun, Tool};
@@ -9,15 +10,6 @@ use fivebar_firmware::protocol::{HostCommand, VERSION};
 use fivebar_firmware::recorder::LogConfig;
 use fivebar_firmware::{CrossingMove, MoveKind, Request, SensorSample, Settings};
 use fivebar_plant::FaultKind;
-
-/// A crossing that `fivebar plan --crossing` has planned for the arm that crosses.
-pub(crate) const CROSSING: CrossingMove = CrossingMove {
-    from: [0.06, 0.115],
-    to: [0.03, 0.012],
-    duration: 0.3,
-    crosses_at: 0.165,
-    law: [-3.770_132_3, -7.055_689, 0.061_562_1],
-};
 
 /// An event of a session.
 #[derive(Clone, Debug)]
@@ -64,19 +56,6 @@ pub(crate) fn host_plans(flags: u8) -> bool {
 /// Whether the arm of a session with these flags can cross a singularity.
 pub(crate) fn crosses(flags: u8) -> bool {
     flags & 0xe0 == 0xc0
-}
-
-/// The benchtop arm with couplers of 0.12 m can cross a singularity.
-pub(crate) fn cross(settings: &mut Settings) {
-    settings.lengths = [0.10, 0.12, 0.12, 0.10, 0.08];
-    let [_, link2, link3, _] = &mut settings.links;
-    (link2.com, link2.inertia) = ([0.06, 0.0], 1.65e-4);
-    (link3.com, link3.inertia) = ([0.045, 0.0], 1.2e-4);
-    settings.motion.singularity_margin = 0.1;
-    for axis in &mut settings.axes {
-        axis.angle_limits = [-1.0, 4.0];
-    }
-    settings.crossing_allowed = true;
 }
 
 /// The settings of a session with these flags: any tool, and for a host that plans, in two of three

@@ -2,7 +2,7 @@
 
 use super::arm::Disturbance;
 use super::world::World;
-use crate::orders::CROSSING;
+use crate::crossing_arm::CROSSING;
 use crate::rules::Violation;
 use crate::timed::timed_run;
 use fivebar_firmware::controller::{Excitation, Excited, Request};
