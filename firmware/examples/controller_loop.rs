@@ -48,9 +48,10 @@ impl Board for FakeBoard {
             let turns = angle / TAU * axis.gear_ratio;
             sample.counts[i] = (turns * axis.encoder_counts as f32).round() as i32;
             let code = current / axis.current_per_code + f32::from(axis.current_zero_code);
-            sample.current[i] = code.round() as u16;
+            sample.drives.current[i] = code.round() as u16;
         }
-        sample.bus_voltage = (BUS_VOLTAGE / self.settings.protection.bus_voltage_per_code) as u16;
+        sample.drives.bus_voltage =
+            (BUS_VOLTAGE / self.settings.protection.bus_voltage_per_code) as u16;
         sample
     }
 
@@ -60,7 +61,7 @@ impl Board for FakeBoard {
         for (i, axis) in self.settings.axes.iter().enumerate() {
             let [angle, velocity, current] = &mut self.joints[i];
             let constant = axis.torque_constant * axis.gear_ratio;
-            let voltage = command.duty[i] * BUS_VOLTAGE - constant * *velocity;
+            let voltage = command.drives.duty[i] * BUS_VOLTAGE - constant * *velocity;
             *current = f32::from(command.enable[i]) * voltage / axis.resistance;
             *velocity += constant * *current / inertia[i] / rate;
             *angle += *velocity / rate;

@@ -1,36 +1,43 @@
-//! What the tick reads and writes: sensor samples and actuator commands, without HAL types.
+//! What the tick reads and writes: sensor samples and actuator commands, without HAL types. What only one kind of
+//! drive senses or does is its own: [`Drives::Sample`](crate::drives::Drives::Sample) and
+//! [`Drives::Command`](crate::drives::Drives::Command).
 
+use crate::drives::{BrushedCommand, BrushedSample};
 use crate::settings::Share;
 use serde::{Deserialize, Serialize};
+
+/// The sample of an arm with brushed motors on H-bridges.
+pub type SensorSample = ArmSample<BrushedSample>;
+
+/// The command of an arm with brushed motors on H-bridges.
+pub type ActuatorCommand = ArmCommand<BrushedCommand>;
 
 /// One tick's samples, as the peripherals deliver them. Index 0 is joint 1 (at A),
 /// index 1 is joint 4 (at E).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SensorSample {
+pub struct ArmSample<S> {
     /// Encoder counts, both latched together; they wrap.
     pub counts: [i32; 2],
-    /// Phase currents [ADC codes].
-    pub current: [u16; 2],
-    /// Bus voltage [ADC codes].
-    pub bus_voltage: u16,
+    /// What the drives sense.
+    pub drives: S,
     /// Home switches, true when pressed.
     pub home: [bool; 2],
     /// Index pulses of the encoders, true where an encoder shows its index.
     pub index: [bool; 2],
     /// Emergency stop, true when pressed.
     pub emergency_stop: bool,
-    /// Fault outputs of the bridges, true when raised.
+    /// Fault outputs of the drives, true when raised.
     pub driver_fault: [bool; 2],
     /// Ticks missed since the last one.
     pub missed_ticks: u32,
 }
 
-/// What the bridges and the brake do until the next tick.
+/// What the drives, the brake and the tool do until the next tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ActuatorCommand {
-    /// Duty of each bridge in −1…1: the mean voltage as a share of the bus voltage.
-    pub duty: [f32; 2],
-    /// Whether each bridge is powered. Off, its motor's terminals float.
+pub struct ArmCommand<C> {
+    /// What the drives do.
+    pub drives: C,
+    /// Whether each drive is powered. Off, its motor gives no torque.
     pub enable: [bool; 2],
     /// Engage the holding brake, where one is fitted.
     pub brake: bool,

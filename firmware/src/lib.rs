@@ -5,6 +5,7 @@
 pub mod board;
 pub mod controller;
 pub mod drivers;
+pub mod drives;
 pub mod io;
 pub mod motion;
 pub mod planner;
@@ -15,8 +16,8 @@ pub mod session;
 pub mod settings;
 pub mod storage;
 
-pub use controller::{Controller, Request, Status};
-pub use io::{ActuatorCommand, SensorSample};
+pub use controller::{ArmController, Controller, Request, Status};
+pub use io::{ActuatorCommand, ArmCommand, ArmSample, SensorSample};
 pub use motion::{CrossingMove, FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
 pub use planner::Planner;
 pub use settings::Settings;

@@ -184,8 +184,8 @@ impl Recorder {
             }
             place += 1;
         };
-        let ([counts1, counts4], [current1, current4]) = (sample.counts, sample.current);
-        let [duty1, duty4] = command.duty;
+        let ([counts1, counts4], [current1, current4]) = (sample.counts, sample.drives.current);
+        let [duty1, duty4] = command.drives.duty;
         let scaled = |duty: f32| (duty * 32_767.0) as i16 as u16;
         put(Signals::COUNTS_1, counts1 as u16);
         put(Signals::COUNTS_4, counts4 as u16);
@@ -193,7 +193,7 @@ impl Recorder {
         put(Signals::CURRENT_4, current4);
         put(Signals::DUTY_1, scaled(duty1));
         put(Signals::DUTY_4, scaled(duty4));
-        put(Signals::BUS_VOLTAGE, sample.bus_voltage);
+        put(Signals::BUS_VOLTAGE, sample.drives.bus_voltage);
         put(Signals::INPUTS, inputs(sample, command));
         self.words.store(start + row, Ordering::Relaxed);
     }

@@ -20,6 +20,7 @@ use crate::stop::HardStop;
 use crate::wiring::Wiring;
 use crate::worn_joints::WornJoints;
 use fivebar_design::Noise;
+use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::settings::HomingMethod;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
@@ -222,8 +223,11 @@ impl Plant {
         let current = self.state.current;
         let sample = SensorSample {
             counts,
-            current: Joint::ALL.map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
-            bus_voltage: sensors::adc_code(self.bus_voltage() / self.volts_per_code),
+            drives: BrushedSample {
+                current: Joint::ALL
+                    .map(|j| self.sensors[j].current_code(current[j], &mut self.noise)),
+                bus_voltage: sensors::adc_code(self.bus_voltage() / self.volts_per_code),
+            },
             home,
             index,
             emergency_stop: self.is_stopped(),
@@ -322,7 +326,7 @@ impl Plant {
             return None;
         }
         // The compare register holds whole steps; NaN becomes 0.
-        let duty = f64::from(command.duty[joint]).clamp(-1.0, 1.0);
+        let duty = f64::from(command.drives.duty[joint]).clamp(-1.0, 1.0);
         let register = (duty * PWM_STEPS).round() as i32;
         let duty = f64::from(register) / PWM_STEPS;
         Some(self.faults.bridges[joint].map_or(duty, |defect| defect.acting(duty)))

@@ -110,15 +110,15 @@ impl SensorDefects {
                 seen.counts[j] = defect.shown(sample.counts[j], noise);
             }
             if let Some(defect) = &mut self.currents[j] {
-                seen.current[j] = defect.shown(sample.current[j]);
+                seen.drives.current[j] = defect.shown(sample.drives.current[j]);
             }
             seen.index[j] = self.indices[j].unwrap_or(sample.index[j]);
             seen.driver_fault[j] |= self.driver_fault[j];
         }
-        seen.bus_voltage = match self.bus {
-            None => sample.bus_voltage,
+        seen.drives.bus_voltage = match self.bus {
+            None => sample.drives.bus_voltage,
             Some(BusDefect::Stuck(code)) => code,
-            Some(BusDefect::Gain(gain)) => adc_code(gain * f64::from(sample.bus_voltage)),
+            Some(BusDefect::Gain(gain)) => adc_code(gain * f64::from(sample.drives.bus_voltage)),
         };
         seen
     }
@@ -129,6 +129,7 @@ mod tests {
     use super::{BusDefect, CurrentDefect, EncoderDefect, Late, SensorDefects};
     use fivebar_design::Noise;
     use fivebar_firmware::SensorSample;
+    use fivebar_firmware::drives::BrushedSample;
 
     /// The counts of joint 1 that are shown while the encoder turns from 100 on.
     fn shown<const N: usize>(mut defect: EncoderDefect, counts: [i32; N]) -> [i32; N] {
@@ -172,8 +173,10 @@ mod tests {
     fn only_the_defective_sensors_differ_from_the_sample() {
         let sample = SensorSample {
             counts: [7, 8],
-            current: [2000, 2100],
-            bus_voltage: 2000,
+            drives: BrushedSample {
+                current: [2000, 2100],
+                bus_voltage: 2000,
+            },
             ..SensorSample::default()
         };
         let noise = &mut Noise::new(1);
@@ -187,9 +190,11 @@ mod tests {
             ..SensorDefects::default()
         };
         let seen = SensorSample {
-            current: [2000, 2048],
+            drives: BrushedSample {
+                current: [2000, 2048],
+                bus_voltage: 1000,
+            },
             index: [true, false],
-            bus_voltage: 1000,
             driver_fault: [false, true],
             ..sample
         };

@@ -4,6 +4,7 @@
 //! A current is measured in the bridge, so it belongs to the bridge wherever the motor is. A motor
 //! with exchanged leads turns against its voltage, and its bridge measures its current negated.
 
+use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::Joint;
 use serde::{Deserialize, Serialize};
@@ -44,16 +45,18 @@ fn exchange<T: Copy>([a, b]: [T; 2], swapped: bool) -> [T; 2] {
 impl Wiring {
     /// What the motors get of a command, in the order of the joints.
     pub(crate) fn driven(&self, command: &ActuatorCommand) -> ActuatorCommand {
-        let duty = exchange(command.duty, self.motors_swapped);
+        let duty = exchange(command.drives.duty, self.motors_swapped);
         let enable = exchange(command.enable, self.motors_swapped);
         ActuatorCommand {
-            duty: Joint::ALL.map(|j| {
-                if self.motor_reversed[j] {
-                    -duty[j]
-                } else {
-                    duty[j]
-                }
-            }),
+            drives: BrushedCommand {
+                duty: Joint::ALL.map(|j| {
+                    if self.motor_reversed[j] {
+                        -duty[j]
+                    } else {
+                        duty[j]
+                    }
+                }),
+            },
             enable: Joint::ALL.map(|j| enable[j] && !self.motor_dead[j]),
             ..*command
         }
@@ -81,8 +84,8 @@ impl Wiring {
         // The codes of the motors, then of the bridges.
         let mirrored = |code: u16, zero: f64| (2.0 * zero - f64::from(code)).clamp(0.0, 4095.0);
         let motors = Joint::ALL.map(|j| match self.motor_reversed[j] {
-            true => mirrored(sample.current[j], zero[j]) as u16,
-            false => sample.current[j],
+            true => mirrored(sample.drives.current[j], zero[j]) as u16,
+            false => sample.drives.current[j],
         });
         let bridges = exchange(motors, self.motors_swapped);
         let current = Joint::ALL.map(|j| match (self.current_dead[j], self.current_reversed[j]) {
@@ -95,7 +98,10 @@ impl Wiring {
         SensorSample {
             counts: exchange(counts, self.encoders_swapped),
             index: exchange(index, self.encoders_swapped),
-            current,
+            drives: BrushedSample {
+                current,
+                ..sample.drives
+            },
             ..sample
         }
     }

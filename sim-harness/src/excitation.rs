@@ -6,6 +6,7 @@
 
 use fivebar_design::identification::{Excitation, Regressor, base_parameters, standard_parameters};
 use fivebar_files::robot::{Actuator, MissingMasses, Robot};
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::io::ActuatorCommand;
 use fivebar_kinematics::five_bar::{Geometry, Joint, PoseError, Side};
 use fivebar_plant::{Mismatch, MismatchError, Plant};
@@ -99,7 +100,7 @@ pub fn excite(
         });
         let current = Joint::ALL.map(|joint| {
             let sign = drives[joint].gear_ratio.signum();
-            sign * (f64::from(sample.current[joint]) - zero[joint]) * per_code[joint]
+            sign * (f64::from(sample.drives.current[joint]) - zero[joint]) * per_code[joint]
         });
         for joint in Joint::ALL {
             let measured = (angle[joint] - last_angle[joint]) / period;
@@ -120,7 +121,7 @@ pub fn excite(
         let voltage = voltages(&drawing, &drives, wanted, angle, speed)?;
         let duty = voltage.map(|volts| (volts / robot.supply.voltage).clamp(-0.95, 0.95) as f32);
         let command = ActuatorCommand {
-            duty,
+            drives: BrushedCommand { duty },
             enable: [true; 2],
             brake: false,
             tool: 0,

@@ -16,11 +16,12 @@
 //! torques whether it is (`planner/crossing_evidence.rs`). In the zone, below 0.2, the arm
 //! goes on whatever its cranks' errors are, because it cannot stop there; an arm that stays there is a fault.
 
-use super::Controller;
+use super::ArmController;
 use super::model::CROSSING_LAG;
 use super::path::{Path, QUEUED_SEGMENTS};
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
+use crate::drives::Drives;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::five_bar::PoseError;
 use fivebar_kinematics::trajectory::{Curve, TimeLaw, ToolOutput, TrajectorySegment};
@@ -163,7 +164,7 @@ fn coefficients(path: &Path, slot: usize) -> Option<&[Vector2<f32>; 6]> {
     }
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Stores a piece of a crossing's plan where the arm is held and has no path: the joints' angles
     /// [rad], and their torques without friction [N·m].
     pub(crate) fn store_crossing(&mut self, piece: usize, plan: [&TrajectorySegment<f32>; 2]) {
@@ -211,14 +212,14 @@ impl Controller {
             is_over,
             ..
         } = self.crossing;
-        let ([joint1, joint4], [axis1, axis4]) = (&self.joints, &self.model.axes);
+        let current = self.drives.report().current;
         CrossingSample {
             is_behind: ticks >= times.crosses_at && settled == 0,
             is_over,
             tick: ticks,
             angle: self.angles().into(),
             velocity: self.velocities().into(),
-            torque: Vector2::new(axis1.torque(joint1.current), axis4.torque(joint4.current)),
+            torque: self.drives.torque(current).into(),
         }
     }
 

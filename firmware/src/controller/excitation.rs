@@ -8,64 +8,20 @@
 //! the bridges go off.
 //! Faults are detected as ever, and a silent host is one.
 
-use super::homing_state::limited;
-use super::model::DUTY_LIMIT;
-use super::tick::{Bridges, Measurement};
-use super::{Controller, RequestError};
-use crate::io::{ActuatorCommand, SensorSample};
+use super::tick::{Measurement, WithoutReference};
+use super::{ArmController, RequestError};
+use crate::drives::{Drives, Excitation, Excited};
+use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Event, Fault};
-use crate::settings::Settings;
 use fivebar_kinematics::Scalar;
-use fivebar_kinematics::control::Bus;
 use serde::{Deserialize, Serialize};
 
-/// The longest excitation [s].
-pub const LONGEST_EXCITATION: f32 = 2.0;
-/// The longest pulse whose current may reach the over-current [s]: the bridge's own limit shows in it.
-pub const LONGEST_PULSE: f32 = 2e-3;
-/// Greatest duty that a voltage gives.
-pub const MOST_DUTY: f32 = DUTY_LIMIT;
-/// The farthest travel of a joint during an excitation [rad].
-pub const FARTHEST_EXCITATION: f32 = 2.0;
 /// Joint speed below which the shorted motors have brought an arm to rest [rad/s].
 const REST_SPEED: f32 = 0.05;
 /// The longest braking [s]: gravity may move an arm on shorted motors for ever.
 const LONGEST_BRAKING: f32 = 0.5;
 /// The shortest braking, in which the currents vanish [s].
 const SHORTEST_BRAKING: f32 = 0.005;
-
-/// What an excitation sets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Excited {
-    /// The motor's voltage; values in V.
-    Voltage,
-    /// The motor's current, by the current loop; values in A.
-    Current,
-}
-
-/// An excitation: `offset` ± `amplitude`, the sign by a pseudo-random binary sequence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Excitation {
-    /// The bridge: 0 is joint 1's, 1 is joint 4's.
-    pub joint: u8,
-    /// What is set.
-    pub of: Excited,
-    /// The mean [V or A].
-    pub offset: f32,
-    /// The amplitude of the sequence around it [V or A]; 0 for a constant value.
-    pub amplitude: f32,
-    /// Ticks for which each value of the sequence lasts, from 1.
-    pub hold: u16,
-    /// Duration [ticks], at most [`LONGEST_EXCITATION`].
-    pub ticks: u32,
-    /// Measured current of either motor at which it ends [A]; at most the motor's continuous
-    /// current, or the over-current for a voltage of at most [`LONGEST_PULSE`]. Voltages are at most twice what drives it through the winding at rest.
-    pub current: f32,
-    /// Travel of either joint at which it ends [rad]; at most [`FARTHEST_EXCITATION`].
-    pub travel: f32,
-}
 
 /// What ended an excitation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -93,32 +49,6 @@ pub(super) struct ExcitationState {
     end: Option<ExcitationEnd>,
     /// Braking lasts between so many ticks.
     braking: [u32; 2],
-}
-
-impl Excitation {
-    /// Whether every value is within its bounds for an arm of these settings.
-    fn is_bounded(&self, settings: &Settings) -> bool {
-        let Some(axis) = settings.axes.get(usize::from(self.joint)) else {
-            return false;
-        };
-        let most = match self.of {
-            Excited::Voltage => 2.0 * axis.resistance * self.current,
-            Excited::Current => self.current,
-        };
-        let size = Scalar::abs(self.offset) + Scalar::abs(self.amplitude);
-        // A comparison with NaN is false.
-        let rate = settings.control.tick_rate;
-        let is_pulse = self.of == Excited::Voltage && (self.ticks as f32) <= LONGEST_PULSE * rate;
-        let greatest = if is_pulse {
-            settings.protection.over_current
-        } else {
-            axis.continuous_current
-        };
-        let small = size <= most && self.current > 0.0 && self.current <= greatest;
-        let near = self.travel > 0.0 && self.travel <= FARTHEST_EXCITATION;
-        let short = (self.ticks as f32) <= LONGEST_EXCITATION * rate;
-        small && near && short && self.ticks > 0 && self.hold > 0
-    }
 }
 
 impl ExcitationState {
@@ -185,7 +115,7 @@ impl ExcitationState {
     }
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Sets an excitation up, if the arm may have one.
     pub(super) fn prepare_excitation(
         &mut self,
@@ -194,7 +124,7 @@ impl Controller {
         if self.homed {
             return Err(RequestError::Homed);
         }
-        if !excitation.is_bounded(&self.settings) {
+        if !D::admits(&self.settings, excitation) {
             return Err(RequestError::Excitation);
         }
         self.excitation.begin(excitation);
@@ -207,23 +137,27 @@ impl Controller {
     }
 
     /// One tick of an excitation.
-    pub(super) fn excite(&mut self, sample: &SensorSample, measurement: &Measurement) -> Bridges {
+    pub(super) fn excite(
+        &mut self,
+        sample: &ArmSample<D::Sample>,
+        measurement: &Measurement,
+    ) -> WithoutReference {
         let silent = self.host_timed_out().then_some(Fault::CommandTimeout);
         let fault = self.sampled_fault(sample, measurement).or(silent);
         if let Some(fault) = fault.or_else(|| self.excited_motor_fault()) {
             self.power_off(fault);
-            return Bridges::Off;
+            return WithoutReference::Off;
         }
         if self.brake.still_releases(self.ticks) {
-            return Bridges::Excited;
+            return WithoutReference::Excited;
         }
-        let angles = self.angles();
+        let (angles, current) = (self.angles(), self.drives.report().current);
         let excitation = &mut self.excitation;
         if excitation.ticks == 0 && excitation.end.is_none() {
             excitation.start = angles;
         }
         if excitation.end.is_none()
-            && let Some(end) = excitation.reached(angles, measurement.current)
+            && let Some(end) = excitation.reached(angles, current)
         {
             excitation.end = Some(end);
             excitation.ticks = 0;
@@ -242,61 +176,51 @@ impl Controller {
     fn excited_motor_fault(&mut self) -> Option<Fault> {
         let excitation = &self.excitation;
         match (excitation.excitation.of, excitation.end) {
-            (Excited::Current, None) => self.motor_fault(),
+            (Excited::Current, None) => self.contradiction(),
             (Excited::Current, Some(_)) | (Excited::Voltage, _) => None,
         }
     }
 
     /// The voltage or the current on one motor; the other one is shorted.
-    fn drive_excited(&mut self, value: f32) -> Bridges {
+    fn drive_excited(&mut self, value: f32) -> WithoutReference {
         let Excitation { joint, of, .. } = self.excitation.excitation;
         let index = usize::from(joint);
-        let (Some(joint), Some(model)) = (self.joints.get_mut(index), self.model.axes.get(index))
-        else {
-            return Bridges::Off;
+        let Some(joint) = self.joints.get(index) else {
+            return WithoutReference::Off;
         };
-        match of {
-            Excited::Voltage => joint.duty = limited(value / self.bus_voltage, DUTY_LIMIT),
-            Excited::Current => {
-                let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
-                joint.drive(model, model.torque(value), &bus);
-            }
-        }
-        if joint.duty.is_finite() {
-            return Bridges::Excited;
+        self.drives.excite(index, of, value, joint.velocity());
+        if self.drives.is_finite() {
+            return WithoutReference::Excited;
         }
         self.power_off(Fault::NotANumber);
-        Bridges::Off
+        WithoutReference::Off
     }
 
     /// Both motors shorted, until the joints rest.
-    fn brake_excited(&mut self, measurement: &Measurement) -> Bridges {
-        for joint in &mut self.joints {
-            joint.release();
-        }
+    fn brake_excited(&mut self, measurement: &Measurement) -> WithoutReference {
+        self.release_loops();
         let excitation = &mut self.excitation;
         excitation.ticks += 1;
         let [least, most] = excitation.braking;
         let [omega1, omega4] = measurement.velocity;
         let rests = Scalar::abs(omega1) < REST_SPEED && Scalar::abs(omega4) < REST_SPEED;
         if excitation.ticks < most && !(rests && excitation.ticks >= least) {
-            return Bridges::Excited;
+            return WithoutReference::Excited;
         }
         if !self.brake.engages(self.ticks) {
-            return Bridges::Excited;
+            return WithoutReference::Excited;
         }
         // Exciting accepts this event.
         let _ = self.dispatch(Event::Finish);
         self.unpowered();
-        Bridges::Off
+        WithoutReference::Off
     }
 
     /// Both bridges on with the joints' duties.
     #[inline(always)]
-    pub(super) fn excited(&self) -> ActuatorCommand {
-        let [joint1, joint4] = &self.joints;
-        ActuatorCommand {
-            duty: [joint1.duty, joint4.duty],
+    pub(super) fn excited(&self) -> ArmCommand<D::Command> {
+        ArmCommand {
+            drives: self.drives.command(),
             enable: [true; 2],
             brake: self.brake.is_on(),
             ..self.off()

@@ -2,18 +2,19 @@
 //!
 //! [`Monitor`]: crate::safety::Monitor
 
-use super::Controller;
+use super::ArmController;
 use super::tick::Measurement;
-use crate::io::SensorSample;
+use crate::drives::Drives;
+use crate::io::ArmSample;
 use crate::safety::{Fault, State};
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// The most serious fault that the sample alone shows, with the bridges on. Each of them
     /// switches the bridges off.
     #[inline(always)]
     pub(super) fn sampled_fault(
         &self,
-        sample: &SensorSample,
+        sample: &ArmSample<D::Sample>,
         measurement: &Measurement,
     ) -> Option<Fault> {
         if let Some(fault) = self.unpowered_fault(sample, measurement.innovation) {
@@ -34,34 +35,29 @@ impl Controller {
     #[inline(always)]
     pub(super) fn measured_fault(&self, measurement: &Measurement) -> Option<Fault> {
         let monitor = &self.model.monitor;
-        if monitor.over_current(measurement.current) {
-            return Some(Fault::OverCurrent);
+        if let Some(fault) = self.drives.drive_fault() {
+            return Some(fault);
         }
         if monitor.over_speed(measurement.velocity) {
             return Some(Fault::OverSpeed);
         }
-        if let Some(fault) = monitor.bus(self.bus_voltage) {
-            return Some(fault);
-        }
-        None
+        self.drives.supply_fault()
     }
 
-    /// The fault that a motor's equation shows, in a tick in which the current loops drive.
+    /// The fault that drives and joints show together, in a tick in which the loops drive.
     #[inline(always)]
-    pub(super) fn motor_fault(&mut self) -> Option<Fault> {
-        let [joint1, joint4] = &mut self.joints;
-        let [model1, model4] = &self.model.axes;
+    pub(super) fn contradiction(&mut self) -> Option<Fault> {
+        let [joint1, joint4] = &self.joints;
         let [error1, error4] = self.error;
-        let fault1 = joint1.motor_fault(model1, error1, self.bus_voltage);
-        let fault4 = joint4.motor_fault(model4, error4, self.bus_voltage);
-        fault1.or(fault4)
+        self.drives
+            .contradiction([joint1.state(error1), joint4.state(error4)])
     }
 
     /// The faults that do not need the bridges to be on.
     #[inline(always)]
     pub(super) fn unpowered_fault(
         &self,
-        sample: &SensorSample,
+        sample: &ArmSample<D::Sample>,
         innovation: [f32; 2],
     ) -> Option<Fault> {
         if sample.emergency_stop {

@@ -8,10 +8,11 @@
 //!
 //! Brakes with an engage time of 0 need no order: the bridges go off at once.
 
-use super::Controller;
+use super::ArmController;
 use super::setpoint::Setpoint;
 use super::turns::TURNS;
-use crate::io::ActuatorCommand;
+use crate::drives::Drives;
+use crate::io::ArmCommand;
 use crate::safety::{Event, Fault, State};
 use crate::settings::BrakeSettings;
 use fivebar_kinematics::Scalar;
@@ -213,7 +214,7 @@ pub(super) enum Verdict {
     Fails,
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Whether the bridges hold the arm until the brakes do. While they wake up, the brakes hold still.
     fn waits_for_brake(&self) -> bool {
         self.brake.takes_time()
@@ -309,11 +310,11 @@ impl Controller {
     /// not hold keep the duties of the tick before.
     #[cold]
     #[inline(never)]
-    pub(super) fn end_test(&mut self, verdict: Verdict) -> ActuatorCommand {
+    pub(super) fn end_test(&mut self, verdict: Verdict) -> ArmCommand<D::Command> {
         let Verdict::Holds(event) = verdict else {
             self.hold_without_brake();
-            return ActuatorCommand {
-                duty: self.joints.each_ref().map(|joint| joint.duty),
+            return ArmCommand {
+                drives: self.drives.command(),
                 enable: [true; 2],
                 brake: self.brake.is_on(),
                 tool: self.path.tool_output(),

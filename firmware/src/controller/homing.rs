@@ -1,12 +1,13 @@
 //! The tick while homing: each joint searches for its own switch, stop or index pulse, at limited
 //! torque; or the angles are known without a motion.
 
-use super::Controller;
+use super::ArmController;
 use super::homing_state::{HomingConfig, HomingState, limited};
 use super::joint::Joint;
 use super::model::{AxisModel, Model};
 use super::tick::TorqueCommand;
-use crate::io::SensorSample;
+use crate::drives::Drives;
+use crate::io::ArmSample;
 use crate::safety::{Event, Fault, Limits};
 use crate::settings::{AxisSettings, HomingMethod};
 use core::f32::consts::TAU;
@@ -14,7 +15,7 @@ use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Pose;
 use nalgebra::Vector2;
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Entry of Homing: both joints start their search at their present angles, unless their counts
     /// at the home angles are known.
     pub(super) fn start_homing(&mut self) {
@@ -38,7 +39,10 @@ impl Controller {
 
     /// One tick of homing: the torques; none if it has ended homing.
     #[inline(always)]
-    pub(super) fn home(&mut self, sample: &SensorSample) -> Result<Option<TorqueCommand>, Fault> {
+    pub(super) fn home(
+        &mut self,
+        sample: &ArmSample<D::Sample>,
+    ) -> Result<Option<TorqueCommand>, Fault> {
         if self.host_timed_out() {
             return Err(Fault::CommandTimeout);
         }
@@ -49,8 +53,15 @@ impl Controller {
         let [inertia1, inertia4] = model.nominal_inertia;
         let [state1, state4] = &mut self.homing;
         let [config1, config4] = &model.homing_configs;
-        let [closed1, closed4] = sample.home;
-        let [index1, index4] = sample.index;
+        let ([closed1, closed4], [index1, index4]) = (sample.home, sample.index);
+        let [current1, current4] = self.drives.report().current;
+        let read = |closed, index, current| {
+            moves.then_some(Landmark {
+                closed,
+                index,
+                current,
+            })
+        };
         let (error1, torque1) = homing_step(
             model,
             joint1,
@@ -58,7 +69,7 @@ impl Controller {
             inertia1,
             state1,
             config1,
-            moves.then_some([closed1, index1]),
+            read(closed1, index1, current1),
         )?;
         let (error4, torque4) = homing_step(
             model,
@@ -67,7 +78,7 @@ impl Controller {
             inertia4,
             state4,
             config4,
-            moves.then_some([closed4, index4]),
+            read(closed4, index4, current4),
         )?;
         self.error = [error1, error4];
         if self.model.monitor.following_error_exceeded(self.error) {
@@ -142,8 +153,18 @@ fn home_counts(axis: &AxisSettings, now: i32) -> i32 {
     (whole as f32 * per_turn) as i32
 }
 
-/// One joint's tick of the search, with what its switch and its index read: its error [rad] and its
-/// torque [N·m]. Without them the joint comes to rest.
+/// What shows a joint its home angle.
+struct Landmark {
+    /// Its switch is pressed.
+    closed: bool,
+    /// Its encoder shows its index.
+    index: bool,
+    /// Its motor's current [A], which shows a stop.
+    current: f32,
+}
+
+/// One joint's tick of the search, with what shows its home angle: its error [rad] and its
+/// torque [N·m]. Without it the joint comes to rest.
 #[inline(always)]
 fn homing_step(
     model: &Model,
@@ -152,13 +173,13 @@ fn homing_step(
     inertia: f32,
     state: &mut HomingState,
     config: &HomingConfig,
-    read: Option<[bool; 2]>,
+    read: Option<Landmark>,
 ) -> Result<(f32, f32), Fault> {
-    if let Some([closed, index]) = read {
+    if let Some(read) = read {
         let closed = match &config.stop {
-            None if state.seeks_index() => index,
-            None => closed,
-            Some(stop) => stop.is_felt(joint.current, joint.velocity()),
+            None if state.seeks_index() => read.index,
+            None => read.closed,
+            Some(stop) => stop.is_felt(read.current, joint.velocity()),
         };
         state
             .step(config, closed, joint.angle(), joint.counts(), model.period)

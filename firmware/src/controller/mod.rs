@@ -2,7 +2,6 @@
 //! tasks below the tick make.
 
 mod crossing;
-mod current_zeros;
 mod encoder;
 mod excitation;
 mod faults;
@@ -11,8 +10,6 @@ mod homing;
 mod homing_state;
 mod joint;
 mod model;
-mod motor_check;
-mod oscillation;
 mod passing;
 mod path;
 mod planning;
@@ -26,6 +23,10 @@ mod tracking;
 mod transitions;
 mod turns;
 
+use crate::drives::{BrushedDrives, Drives};
+pub use crate::drives::{
+    Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE, MOST_DUTY,
+};
 use crate::safety::{Fault, Limits, State};
 use crate::settings::{CheckedSettings, Settings};
 use crossing::Crossing;
@@ -33,13 +34,9 @@ pub(crate) use crossing::{
     CrossingSample, CrossingTimes, OUTSIDE as OUTSIDE_OF_ZONE, PIECES as CROSSING_PIECES, ZONE,
     polynomials as crossing_polynomials,
 };
-use current_zeros::CurrentZeros;
 use encoder::Encoder;
+pub use excitation::ExcitationEnd;
 use excitation::ExcitationState;
-pub use excitation::{
-    Excitation, ExcitationEnd, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE,
-    MOST_DUTY,
-};
 use fivebar_kinematics::five_bar::WorkingMode;
 use holding_brake::HoldingBrake;
 use homing_state::HomingState;
@@ -57,18 +54,21 @@ use setpoint::Setpoint;
 pub use status::{JointReference, Snapshot, Status};
 use transitions::Latched;
 
-/// The whole controller of an arm. A clone goes on from where it is: the exploration of all states needs that.
+/// The controller of an arm with brushed motors on H-bridges.
+pub type Controller = ArmController<BrushedDrives>;
+
+/// The whole controller of an arm with these drives. A clone goes on from where it is: the exploration of all states needs that.
 ///
 /// What every tick needs comes first, here and in the model: a load of the FPU reaches 1 KiB
 /// from its base register, so one base register serves both.
 #[derive(Clone)]
 #[repr(C)]
-pub struct Controller {
+pub struct ArmController<D: Drives> {
     joints: [Joint; 2],
+    drives: D,
     setpoint: Setpoint,
     /// Position errors [rad] as last computed.
     error: [f32; 2],
-    bus_voltage: f32,
     ticks: u32,
     /// The tick in which the command timeout was last restarted.
     heard_at: u32,
@@ -103,7 +103,6 @@ pub struct Controller {
     /// Where the joints pass their switches and index pulses.
     landmarks: [Landmarks; 2],
     excitation: ExcitationState,
-    zeros: CurrentZeros,
     /// The latched fault, as it was raised.
     latched: Option<Latched>,
     missed_ticks: u32,
@@ -112,15 +111,16 @@ pub struct Controller {
     crossing: Crossing,
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// A controller for the arm of these settings, in the state Stopped and not homed.
     pub fn new(settings: &CheckedSettings) -> Self {
         Self {
-            waking: model::wake_up_ticks(settings),
-            model: Model::new(settings),
+            waking: model::wake_up_ticks::<D>(settings),
+            drives: D::new(settings),
+            model: Model::new::<D>(settings),
             encoders: encoder::encoders(settings),
             settings: **settings,
-            joints: settings.axes.each_ref().map(Joint::new),
+            joints: [Joint::new(), Joint::new()],
             brake: HoldingBrake::new(&settings.brake, settings.control.tick_rate),
             landmarks: Landmarks::of(settings),
             begun: false,
@@ -142,11 +142,9 @@ impl Controller {
             homing: [HomingState::new(0.0); 2],
             excitation: ExcitationState::none(settings.control.tick_rate),
             crossing: Crossing::none(),
-            zeros: CurrentZeros::new(),
             error: [0.0; 2],
             rest: Rest::new(),
             limits: Limits::empty(),
-            bus_voltage: 0.0,
             ticks: 0,
             missed_ticks: 0,
             heard_at: 0,
@@ -157,14 +155,8 @@ impl Controller {
     /// Takes the motors' heat over from the controller in use before: new settings cool no motor.
     /// Motors of other ratings are at least as hot as at a start.
     pub fn keep_heat(&mut self, before: &Self) {
-        for ((joint, axis), (old, old_axis)) in self
-            .joints
-            .iter_mut()
-            .zip(&self.settings.axes)
-            .zip(before.joints.iter().zip(&before.settings.axes))
-        {
-            joint.keep_heat(axis, old, old_axis);
-        }
+        self.drives
+            .keep_heat(&self.settings, &before.drives, &before.settings);
     }
 
     /// The settings in use. They are valid: they were checked before the controller was made.
@@ -180,9 +172,7 @@ impl Controller {
 
     /// The demanded torques [N·m].
     fn torques(&self) -> [f32; 2] {
-        let [joint1, joint4] = &self.joints;
-        let [model1, model4] = &self.model.axes;
-        [model1.torque(joint1.demand), model4.torque(joint4.demand)]
+        self.drives.torque(self.drives.report().current_demand)
     }
 
     #[inline(always)]
@@ -193,7 +183,7 @@ impl Controller {
 }
 
 /// A controller that is not shared needs no lock.
-impl rtic_core::Mutex for Controller {
+impl<D: Drives> rtic_core::Mutex for ArmController<D> {
     type T = Self;
 
     fn lock<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {

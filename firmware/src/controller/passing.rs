@@ -6,8 +6,9 @@
 //! index is on the encoder's disc, so it shows lost counts and no slip behind the encoder. The home
 //! switch is on the joint and shows both. Between the angles at which it may close it is not judged.
 
-use super::Controller;
-use crate::io::SensorSample;
+use super::ArmController;
+use crate::drives::Drives;
+use crate::io::ArmSample;
 use crate::safety::Fault;
 use crate::settings::{AxisSettings, HomingMethod, Settings};
 use core::f32::consts::TAU;
@@ -117,10 +118,10 @@ impl Landmarks {
     }
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Compares the index pulses of this tick with the counts.
     #[inline(always)]
-    pub(super) fn compare_pulses(&mut self, sample: &SensorSample) {
+    pub(super) fn compare_pulses(&mut self, sample: &ArmSample<D::Sample>) {
         let [index1, index4] = sample.index;
         if index1 | index4 {
             self.compare_pulse(0, index1);
@@ -143,7 +144,7 @@ impl Controller {
 
     /// Compares a joint's home switch with its angle.
     #[inline(never)]
-    pub(super) fn compare_switch(&mut self, index: usize, sample: &SensorSample) {
+    pub(super) fn compare_switch(&mut self, index: usize, sample: &ArmSample<D::Sample>) {
         if let (true, Some(&pressed), Some(joint), Some(landmarks)) = (
             self.homed,
             sample.home.get(index),

@@ -1,7 +1,8 @@
 //! The controller's interface to the planner: one snapshot of everything that planning depends
 //! on, and the path that the planner appends.
 
-use super::{Controller, QueuedSegment};
+use super::{ArmController, QueuedSegment};
+use crate::drives::Drives;
 use crate::safety::State;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
@@ -60,7 +61,7 @@ impl Hold {
     }
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Everything that planning depends on.
     pub fn planning_snapshot(&self) -> PlanningSnapshot {
         PlanningSnapshot {

@@ -1,13 +1,14 @@
 //! The controller's status, computed when it is asked for and outside the tick.
 
 use super::setpoint::Setpoint;
-use super::{Controller, JointReference, Snapshot, Status};
+use super::{ArmController, JointReference, Snapshot, Status};
+use crate::drives::Drives;
 use crate::safety::State;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::WorkingMode;
 use nalgebra::Vector2;
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Ticks since the reset.
     pub fn ticks(&self) -> u32 {
         self.ticks
@@ -15,6 +16,7 @@ impl Controller {
 
     /// The controller after the last tick.
     pub fn status(&self) -> Status {
+        let drives = self.drives.report();
         let reference = self.is_powered().then(|| self.reference_now());
         Status {
             tick: self.ticks,
@@ -36,10 +38,10 @@ impl Controller {
                 acceleration: now.alpha,
             }),
             torque: self.torques(),
-            current_demand: self.joints.each_ref().map(|joint| joint.demand),
-            current: self.joints.each_ref().map(|joint| joint.current),
-            duty: self.joints.each_ref().map(|joint| joint.duty),
-            bus_voltage: self.bus_voltage,
+            current_demand: drives.current_demand,
+            current: drives.current,
+            duty: drives.duty,
+            bus_voltage: drives.bus_voltage,
             tag: self.crossing_tag().or_else(|| self.path.tag()),
             tool_level: self.settings.tool_output.level(self.path.tool_output()),
         }
@@ -59,7 +61,7 @@ impl Controller {
     pub fn fault(&self) -> Option<Snapshot> {
         let latched = self.latched.as_ref()?;
         let [joint1, joint4] = &latched.joints;
-        let [axis1, axis4] = &self.model.axes;
+        let drives = &latched.drives;
         Some(Snapshot {
             fault: latched.fault,
             tick: latched.tick,
@@ -67,13 +69,13 @@ impl Controller {
             angle: [joint1.angle, joint4.angle],
             velocity: [joint1.velocity, joint4.velocity],
             error: latched.error,
-            current: [joint1.current, joint4.current],
-            torque: [axis1.torque(joint1.demand), axis4.torque(joint4.demand)],
-            bus_voltage: latched.bus_voltage,
+            current: drives.current,
+            torque: self.drives.torque(drives.current_demand),
+            bus_voltage: drives.bus_voltage,
         })
     }
 
-    /// Where the joints should be now: the set-point leads by the current loop's lag d, so it
+    /// Where the joints should be now: the set-point leads by the drives' lag d, so it
     /// is turned back by ω d − ½ α d².
     fn reference_now(&self) -> Setpoint {
         if self.state == State::Crossing {
@@ -108,6 +110,7 @@ impl Controller {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Controller;
     use crate::Settings;
 
     /// A joint at θ with ω and α passed θ − ω d + ½ α d² the time d ago.

@@ -1,6 +1,7 @@
 //! Requests of the host, and why one can be refused.
 
-use super::{Controller, Excitation, Setpoint};
+use super::{ArmController, Excitation, Setpoint};
+use crate::drives::Drives;
 use crate::safety::{Event, Fault, State};
 use crate::settings::HomingMethod;
 use fivebar_kinematics::five_bar::Pose;
@@ -90,7 +91,7 @@ impl core::fmt::Display for RequestError {
 
 impl core::error::Error for RequestError {}
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Executes a request. Counts as a sign of life of the host.
     ///
     /// # Errors
@@ -98,7 +99,7 @@ impl Controller {
     pub fn request(&mut self, request: Request) -> Result<(), RequestError> {
         self.feed_host_timeout();
         let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
-        if powers && self.state == State::Stopped && !self.zeros.are_plausible() {
+        if powers && self.state == State::Stopped && !self.drives.is_ready() {
             return Err(RequestError::CurrentZero);
         }
         let event = match request {

@@ -3,20 +3,11 @@
 //! The rest is looked for where the reference rests, before the tick computes its torques: by the
 //! errors and accelerations of the tick before. So a tick along a path does none of this work.
 
-use super::Controller;
+use super::ArmController;
 use super::model::Model;
+use crate::drives::{Drives, Stage};
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::Integral;
-
-/// How far an arm has come to rest: each stage has gains of its own.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stage {
-    Moves,
-    Settles,
-    Rests,
-    /// It crosses a singularity.
-    Crosses,
-}
 
 /// Whether the arm rests.
 #[derive(Clone)]
@@ -82,7 +73,7 @@ impl Rest {
     }
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Gives a joint the gains of the arm's stage. An arm that settles or begins to rest goes on
     /// with the mean of the accelerations demanded meanwhile: under a load its torque stays.
     #[inline(always)]
@@ -95,6 +86,7 @@ impl Controller {
             return;
         }
         axis.select_servo(stage);
+        self.drives.select(index, stage);
         if let (Stage::Settles | Stage::Rests, Some(joint), Some(mean)) =
             (stage, self.joints.get_mut(index), means.get(index))
         {
@@ -107,16 +99,20 @@ impl Controller {
         self.rest.begin(Stage::Crosses);
         let control = &self.settings.control;
         for (axis, settings) in self.model.axes.iter_mut().zip(&self.settings.axes) {
-            axis.cross(settings, control);
+            axis.cross::<D>(settings, control);
+        }
+        for joint in [0, 1] {
+            self.drives.select(joint, Stage::Crosses);
         }
     }
 
     /// Gives an arm that is not driven the gains of one that moves.
     pub(super) fn forget_rest(&mut self) {
         self.rest = Rest::new();
-        for axis in &mut self.model.axes {
+        for (joint, axis) in self.model.axes.iter_mut().enumerate() {
             if axis.stage != Stage::Moves {
                 axis.select_servo(Stage::Moves);
+                self.drives.select(joint, Stage::Moves);
             }
         }
     }
@@ -124,7 +120,8 @@ impl Controller {
 
 #[cfg(test)]
 mod tests {
-    use super::{Controller, Rest, Stage};
+    use super::{Rest, Stage};
+    use crate::Controller;
     use crate::settings::Settings;
 
     fn controller() -> Controller {

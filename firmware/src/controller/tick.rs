@@ -1,10 +1,10 @@
 //! The tick: sensor sample in, actuator command out.
 
-use super::Controller;
-use super::model::DUTY_LIMIT;
-use crate::io::{ActuatorCommand, SensorSample};
+use super::ArmController;
+use super::setpoint::Setpoint;
+use crate::drives::{Demand, Drives, Motion};
+use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Fault, Limits, State, TOLERATED_TICKS};
-use fivebar_kinematics::control::Bus;
 
 /// The torques that the joints should give.
 #[derive(Clone, Copy)]
@@ -41,24 +41,23 @@ impl ControlMode {
     }
 }
 
-/// What the bridges do in a tick without a reference.
-pub(super) enum Bridges {
+/// What the drives do in a tick without a reference.
+pub(super) enum WithoutReference {
     /// They are off.
     Off,
     /// They wake up.
     Waking,
-    /// They have the duties of an excitation.
+    /// They do what an excitation asks for.
     Excited,
 }
 
 /// What the tick measured, for the detection of faults.
 pub(super) struct Measurement {
     pub(super) innovation: [f32; 2],
-    pub(super) current: [f32; 2],
     pub(super) velocity: [f32; 2],
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Runs one tick. The returned command acts from the next tick on.
     ///
     /// When the bridges are switched on, they are given [`WAKE_UP_TIME`]: the duties are zero, the
@@ -66,13 +65,13 @@ impl Controller {
     /// judged. Then they hold the arm while the brake is released. A path or a search for the
     /// switches begins when it is free.
     ///
-    /// [`WAKE_UP_TIME`]: crate::drivers::WAKE_UP_TIME
+    /// [`WAKE_UP_TIME`]: Drives::WAKE_UP_TIME
     ///
     /// The work is bounded: the only loops are over the two joints and over at most two
     /// segments of the path.
-    pub fn tick(&mut self, sample: &SensorSample) -> ActuatorCommand {
+    pub fn tick(&mut self, sample: &ArmSample<D::Sample>) -> ArmCommand<D::Command> {
         self.ticks = self.ticks.wrapping_add(1);
-        self.bus_voltage = f32::from(sample.bus_voltage) * self.model.bus_voltage_per_code;
+        self.drives.sense(&sample.drives);
         let measurement = self.measure(sample);
         // Every fault that is found before the end of the tick switches the bridges off, and the
         // tick ends with it: so its longest path holds one fault.
@@ -86,13 +85,13 @@ impl Controller {
         }
         if let ControlMode::Off | ControlMode::Waking = mode {
             return match self.follow_nothing(sample, measurement, mode) {
-                Bridges::Off => self.off(),
-                Bridges::Waking => self.waking(),
-                Bridges::Excited => self.excited(),
+                WithoutReference::Off => self.off(),
+                WithoutReference::Waking => self.waking(),
+                WithoutReference::Excited => self.excited(),
             };
         }
         let fault = self.sampled_fault(sample, &measurement);
-        if let Some(fault) = fault.or_else(|| self.motor_fault()) {
+        if let Some(fault) = fault.or_else(|| self.contradiction()) {
             self.power_off(fault);
             return self.off();
         }
@@ -128,19 +127,17 @@ impl Controller {
     }
 
     #[inline(always)]
-    fn measure(&mut self, sample: &SensorSample) -> Measurement {
+    fn measure(&mut self, sample: &ArmSample<D::Sample>) -> Measurement {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
         let [alpha1, alpha4] = self.setpoint.alpha;
         let [counts1, counts4] = sample.counts;
-        let [current1, current4] = sample.current;
         let innovation = [
-            joint1.measure(model1, counts1, current1, alpha1),
-            joint4.measure(model4, counts4, current4, alpha4),
+            joint1.measure(model1, counts1, alpha1),
+            joint4.measure(model4, counts4, alpha4),
         ];
         Measurement {
             innovation,
-            current: [joint1.current, joint4.current],
             velocity: [joint1.velocity(), joint4.velocity()],
         }
     }
@@ -167,30 +164,33 @@ impl Controller {
         self.control_mode().is_powered()
     }
 
-    /// Runs the current loops. This is the last check before the bridges: none where a duty is not
+    /// Lets the drives make the torques. This is the last check before them: none where an output is not
     /// a number.
     #[inline(always)]
-    fn drive(&mut self, command: TorqueCommand) -> Option<ActuatorCommand> {
-        let bus = Bus::new(self.bus_voltage, DUTY_LIMIT);
-        let [joint1, joint4] = &mut self.joints;
-        let [model1, model4] = &self.model.axes;
-        let [torque1, torque4] = command.torque;
+    fn drive(&mut self, command: TorqueCommand) -> Option<ArmCommand<D::Command>> {
         let share = self.brake.share;
-        let limited1 = joint1.drive(model1, share * torque1, &bus);
-        let limited4 = joint4.drive(model4, share * torque4, &bus);
-        self.limits = command.limits.with(Limits::VOLTAGE, limited1 || limited4);
-        let duty = [joint1.duty, joint4.duty];
-        // Each duty is within ±1 or not a number, so one look at their sum checks both.
-        let [duty1, duty4] = duty;
-        if !(duty1 + duty4).is_finite() {
-            for joint in &mut self.joints {
-                joint.release();
-            }
+        let Setpoint {
+            direction: [u1, u4],
+            omega,
+            alpha,
+        } = self.setpoint;
+        let limited = self.drives.drive(&Demand {
+            torque: command.torque.map(|torque| share * torque),
+            velocity: self.velocities(),
+            motion: Motion {
+                direction: [u1.into(), u4.into()],
+                velocity: omega,
+                acceleration: alpha,
+            },
+        });
+        self.limits = command.limits.with(Limits::VOLTAGE, limited);
+        if !self.drives.is_finite() {
+            self.release_loops();
             self.path.switch_tool_off();
             return None;
         }
-        Some(ActuatorCommand {
-            duty,
+        Some(ArmCommand {
+            drives: self.drives.command(),
             enable: [true; 2],
             brake: self.brake.is_on(),
             // Of the end of the tick.
@@ -226,10 +226,10 @@ impl Controller {
     #[inline(never)]
     fn follow_nothing(
         &mut self,
-        sample: &SensorSample,
+        sample: &ArmSample<D::Sample>,
         mut measurement: Measurement,
         mode: ControlMode,
-    ) -> Bridges {
+    ) -> WithoutReference {
         self.forget_rest();
         self.cool();
         if !self.begun {
@@ -256,21 +256,21 @@ impl Controller {
         match fault {
             Some(fault) => {
                 self.power_off(fault);
-                Bridges::Off
+                WithoutReference::Off
             }
             None if wakes => {
                 self.waking = self.waking.saturating_sub(1);
                 if self.waking == 0 {
                     self.brake.release();
                 }
-                self.zeros.restart();
+                self.drives.wake();
                 self.release();
-                Bridges::Waking
+                WithoutReference::Waking
             }
             None => {
-                self.measure_zeros(sample);
+                self.drives.rest(&sample.drives);
                 self.unpowered();
-                Bridges::Off
+                WithoutReference::Off
             }
         }
     }
@@ -286,9 +286,9 @@ impl Controller {
 
     /// Bridges off, brake on, tool off.
     #[inline(always)]
-    pub(super) fn off(&self) -> ActuatorCommand {
-        ActuatorCommand {
-            duty: [0.0; 2],
+    pub(super) fn off(&self) -> ArmCommand<D::Command> {
+        ArmCommand {
+            drives: D::Command::default(),
             enable: [false; 2],
             brake: true,
             tool: self.path.tool_output(),
@@ -297,8 +297,8 @@ impl Controller {
 
     /// Bridges on, which do not drive yet; brake on.
     #[inline(always)]
-    fn waking(&self) -> ActuatorCommand {
-        ActuatorCommand {
+    fn waking(&self) -> ArmCommand<D::Command> {
+        ArmCommand {
             enable: [true; 2],
             ..self.off()
         }
@@ -311,6 +311,13 @@ impl Controller {
         self.pending_stop = None;
         self.pending_off = None;
         self.setpoint.rest();
+        self.release_loops();
+    }
+
+    /// Clears the loops of joints and drives.
+    #[inline(always)]
+    pub(super) fn release_loops(&mut self) {
+        self.drives.release();
         for joint in &mut self.joints {
             joint.release();
         }

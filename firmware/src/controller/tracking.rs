@@ -1,16 +1,17 @@
 //! The part of the tick that follows the path or holds the arm: from the reference to the
 //! torques.
 
-use super::Controller;
+use super::ArmController;
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
+use crate::drives::Drives;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Links, PoseError};
 use fivebar_kinematics::trajectory::Reference;
 use nalgebra::Vector2;
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// One tick of holding or following the path: the torques.
     #[inline(always)]
     pub(super) fn track(&mut self) -> Result<TorqueCommand, Fault> {

@@ -1,8 +1,9 @@
 //! Transitions: only [`Controller::dispatch`] changes the state, by the table of
 //! [`State::after`]. It also runs the entry action of the next state.
 
-use super::Controller;
+use super::ArmController;
 use super::joint::Joint;
+use crate::drives::{DriveReport, Drives};
 use crate::safety::{Event, Fault, Response, State};
 
 /// One joint in the tick that raised a fault.
@@ -13,10 +14,6 @@ pub(super) struct LatchedJoint {
     pub(super) angle: f32,
     /// ω̂ [rad/s].
     pub(super) velocity: f32,
-    /// Measured current [A].
-    pub(super) current: f32,
-    /// Current set-point [A].
-    pub(super) demand: f32,
 }
 
 /// The latched fault and the tick that raised it: plain copies, so that latching takes few
@@ -27,8 +24,7 @@ pub(super) struct Latched {
     pub(super) joints: [LatchedJoint; 2],
     /// Position errors [rad] as last computed.
     pub(super) error: [f32; 2],
-    /// Bus voltage [V].
-    pub(super) bus_voltage: f32,
+    pub(super) drives: DriveReport,
     /// Ticks since the reset.
     pub(super) tick: u32,
     pub(super) fault: Fault,
@@ -42,13 +38,11 @@ impl LatchedJoint {
         Self {
             angle: joint.angle(),
             velocity: joint.velocity(),
-            current: joint.current,
-            demand: joint.demand,
         }
     }
 }
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// Gives an event to the state machine. Requests check their conditions before they call it.
     ///
     /// # Errors
@@ -143,7 +137,7 @@ impl Controller {
         Latched {
             joints: [LatchedJoint::of(joint1), LatchedJoint::of(joint4)],
             error: self.error,
-            bus_voltage: self.bus_voltage,
+            drives: self.drives.report(),
             tick: self.ticks,
             fault,
             state: self.state,
@@ -184,6 +178,7 @@ impl Controller {
         for (joint, model) in self.joints.iter_mut().zip(&self.model.axes) {
             joint.settle(model);
         }
+        self.drives.release();
     }
 
     /// After a crossing that did not end well the arm's assembly mode is unknown: it is homed again, in

@@ -4,25 +4,26 @@
 //! gains may come some ticks later. So each of these is done in one of eight or sixteen
 //! ticks, and the longest tick holds one of them.
 
-use super::Controller;
+use super::ArmController;
 use super::encoder::Scale;
 use super::joint::Joint;
 use super::model::AxisModel;
-use crate::io::SensorSample;
-use crate::safety::{Fault, State};
+use crate::drives::{Drives, WATCHED_EVERY};
+use crate::io::ArmSample;
+use crate::safety::State;
 
 /// Ticks in which each turn comes once; what concerns the path comes twice.
-pub(super) const TURNS: u32 = 16;
+pub(super) const TURNS: u32 = WATCHED_EVERY;
 
 /// Ticks from a fault on the path to the beginning of the stop, at most.
 pub(super) const REACTION: u32 = TURNS / 2 + 2;
 
 const _: () = assert!(REACTION <= crate::safety::NOTICED_WITHIN + 1);
 
-impl Controller {
+impl<D: Drives> ArmController<D> {
     /// This tick's turn.
     #[inline(always)]
-    pub(super) fn take_turn(&mut self, sample: &SensorSample) {
+    pub(super) fn take_turn(&mut self, sample: &ArmSample<D::Sample>) {
         match self.ticks % TURNS {
             0 => self.watch(0, 1),
             8 => self.watch(1, 0),
@@ -83,9 +84,7 @@ impl Controller {
     /// of the turns later.
     #[inline(always)]
     fn watch(&mut self, index: usize, other: usize) {
-        if let Some(joint) = self.joints.get_mut(other) {
-            joint.expect_oscillation();
-        }
+        self.drives.begin_watch(other);
         self.warm(index);
     }
 
@@ -93,14 +92,8 @@ impl Controller {
     /// is too hot, a loop that oscillates, or an arm that nobody commands.
     #[inline(always)]
     fn warm(&mut self, index: usize) {
-        let (Some(joint), Some(axis)) = (self.joints.get_mut(index), self.model.axes.get(index))
-        else {
-            return;
-        };
-        if joint.warm(axis) {
-            self.pending_off = Some(Fault::OverTemperature);
-        } else if joint.oscillates(axis) {
-            self.pending_off = Some(Fault::Oscillation);
+        if let Some(fault) = self.drives.watch(index) {
+            self.pending_off = Some(fault);
         } else if self.abandoned() {
             self.abandon();
         }
@@ -150,13 +143,15 @@ impl Controller {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::safety::Fault;
     use crate::settings::Settings;
+    use crate::{Controller, SensorSample};
 
     /// The turns of so many ticks, with this current set-point [A] of one joint.
     fn run(controller: &mut Controller, joint: usize, ticks: u32, demand: impl Fn(u32) -> f32) {
         for tick in 0..ticks {
             controller.ticks = tick;
-            controller.joints[joint].demand = demand(tick);
+            *controller.drives.demand_mut(joint) = demand(tick);
             controller.take_turn(&SensorSample::default());
         }
     }
@@ -178,9 +173,7 @@ mod tests {
             run(&mut controller, joint, 16_000, swings);
             let found = controller.pending_off.take();
             assert_eq!(found, Some(Fault::Oscillation), "joint {joint}");
-            for joint in &mut controller.joints {
-                joint.release();
-            }
+            controller.drives.release();
             run(&mut controller, joint, 160, |_| 0.0);
             assert_eq!(controller.pending_off, None, "joint {joint}");
         }

@@ -9,9 +9,10 @@ use super::crossing_pieces::ArmOn;
 use super::error::LONGEST_CROSSING;
 use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::controller::{
-    CROSSING_PIECES, Controller, CrossingTimes, OUTSIDE_OF_ZONE, PlanningSnapshot, QUEUED_SEGMENTS,
-    ZONE,
+    ArmController, CROSSING_PIECES, CrossingTimes, OUTSIDE_OF_ZONE, PlanningSnapshot,
+    QUEUED_SEGMENTS, ZONE,
 };
+use crate::drives::Drives;
 use crate::motion::{CrossingMove, Move};
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::five_bar::{PoseError, Singularity};
@@ -79,7 +80,7 @@ impl Planner {
     /// Accepts a crossing, as [`Planner::push`] does.
     pub(super) fn push_crossing(
         &mut self,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         snapshot: &PlanningSnapshot,
         start: End,
         next: &Move,

@@ -8,7 +8,8 @@
 use super::Planner;
 use super::crossing::GAP;
 use super::crossing_pieces::ArmOn;
-use crate::controller::{Controller, CrossingSample};
+use crate::controller::{ArmController, CrossingSample};
+use crate::drives::Drives;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::five_bar::{PoseError, Side};
 use nalgebra::Vector2;
@@ -98,7 +99,10 @@ impl Planner {
     }
 
     /// Takes what the cranks do now as evidence, and ends a crossing that is over.
-    pub(super) fn judge_crossing(&mut self, controller: &mut impl Mutex<T = Controller>) {
+    pub(super) fn judge_crossing(
+        &mut self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+    ) {
         let sample = controller.lock(|controller| controller.crossing_sample());
         if sample.is_behind
             && let Some((motion, torque)) = self.evidence.take(&sample, self.tick_rate)

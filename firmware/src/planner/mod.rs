@@ -19,7 +19,10 @@ mod joined;
 mod supply;
 mod timed;
 
-use crate::controller::{Controller, PlanningSnapshot, QUEUED_SEGMENTS, least_rest, stopping_time};
+use crate::controller::{
+    ArmController, PlanningSnapshot, QUEUED_SEGMENTS, least_rest, stopping_time,
+};
+use crate::drives::Drives;
 use crate::motion::{Move, MoveKind};
 use crate::safety::State;
 use crate::settings::{CheckedSettings, ToolOutputSettings};
@@ -179,7 +182,7 @@ impl Planner {
     /// time.
     pub fn push(
         &mut self,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         next: &Move,
     ) -> Result<(), MoveError> {
         let snapshot = controller.lock(|controller| controller.planning_snapshot());

@@ -1,7 +1,8 @@
 //! How the planner hands trajectory segments to the controller: as many as a stop needs.
 
 use super::Planner;
-use crate::controller::{Controller, QUEUED_SEGMENTS, QueuedSegment};
+use crate::controller::{ArmController, QUEUED_SEGMENTS, QueuedSegment};
+use crate::drives::Drives;
 use crate::safety::{Limits, State};
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::trajectory::{Reference, TrajectorySegment};
@@ -14,7 +15,7 @@ impl Planner {
     /// Hands the controller as much path as it should have. To be called at least every few
     /// milliseconds while the arm moves. While the arm crosses a singularity, it looks in which assembly mode it
     /// is behind it, and ends the crossing. The controller is unlocked while a segment is planned.
-    pub fn run(&mut self, controller: &mut impl Mutex<T = Controller>) {
+    pub fn run(&mut self, controller: &mut impl Mutex<T = ArmController<impl Drives>>) {
         let mut snapshot = controller.lock(|controller| controller.planning_snapshot());
         self.follow(&snapshot);
         if snapshot.state == State::Crossing {

@@ -6,7 +6,8 @@
 
 use super::supply::ends_in_motion;
 use super::{End, MoveError, MoveErrorKind, Planner};
-use crate::controller::{Controller, PlanningSnapshot, QueuedSegment};
+use crate::controller::{ArmController, PlanningSnapshot, QueuedSegment};
+use crate::drives::Drives;
 use crate::motion::{Move, TimedMove};
 use crate::safety::Limits;
 use fivebar_kinematics::trajectory::{Curve, Reference, TimeLaw, ToolOutput, TrajectorySegment};
@@ -27,7 +28,7 @@ impl Planner {
     /// Accepts a timed move, as [`Planner::push`] does.
     pub(super) fn push_timed(
         &mut self,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         snapshot: &PlanningSnapshot,
         start: End,
         next: &Move,

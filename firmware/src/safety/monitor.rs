@@ -3,7 +3,6 @@
 //! Each function detects one fault; the tick calls them with the most serious fault first. A NaN
 //! passes every comparison here; the tick detects it in the duties, before the bridges get them.
 
-use super::Fault;
 use crate::settings::CheckedSettings;
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
@@ -25,12 +24,8 @@ pub(crate) struct Monitor {
     jump: [f32; 2],
     /// [rad/s].
     over_speed: f32,
-    /// [A].
-    over_current: f32,
     /// [rad].
     following_error: f32,
-    /// [V].
-    bus: [f32; 2],
     /// The middle of each joint's range [rad].
     middle: [f32; 2],
     /// Greatest distance from the middle [rad]: half the range, and half of the greatest
@@ -57,9 +52,7 @@ impl Monitor {
                 (JUMP_COUNTS * count).max(protection.over_speed / rate)
             }),
             over_speed: protection.over_speed,
-            over_current: protection.over_current,
             following_error: protection.following_error,
-            bus: protection.bus_voltage,
             middle: settings.axes.map(|axis| {
                 let [low, high] = axis.angle_limits;
                 0.5 * (low + high)
@@ -80,25 +73,6 @@ impl Monitor {
     pub(crate) fn jumped(&self, innovation: [f32; 2]) -> bool {
         let ([innovation1, innovation4], [jump1, jump4]) = (innovation, self.jump);
         Scalar::abs(innovation1) > jump1 || Scalar::abs(innovation4) > jump4
-    }
-
-    /// The fault of a bus voltage [V] outside its range.
-    #[inline(always)]
-    pub(crate) fn bus(&self, voltage: f32) -> Option<Fault> {
-        let [low, high] = self.bus;
-        if low <= voltage && voltage <= high {
-            None
-        } else if voltage < low {
-            Some(Fault::UnderVoltage)
-        } else {
-            Some(Fault::OverVoltage)
-        }
-    }
-
-    /// Whether a motor's current [A] is too high.
-    #[inline(always)]
-    pub(crate) fn over_current(&self, current: [f32; 2]) -> bool {
-        either_exceeds(current, self.over_current)
     }
 
     /// Whether a joint's speed [rad/s] is too high.

@@ -124,7 +124,10 @@ fn a_crossing_waits_until_the_bridges_are_awake() {
     for _ in 1..WAKING_TICKS {
         rig.controller.feed_host_timeout();
         let command = rig.controller.tick(&rig.bench.sense());
-        assert!(command.brake && command.duty == [0.0; 2], "{command:?}");
+        assert!(
+            command.brake && command.drives.duty == [0.0; 2],
+            "{command:?}"
+        );
     }
     rig.tick();
     let command = rig.controller.tick(&rig.bench.sense());

@@ -12,7 +12,7 @@ fn shifted(codes: [u16; 2], ticks: u32) -> Rig {
     let mut rig = Rig::new(&settings());
     for _ in 0..ticks {
         let mut sample = rig.bench.sense();
-        sample.current = codes;
+        sample.drives.current = codes;
         rig.controller.feed_host_timeout();
         rig.controller.tick(&sample);
     }
@@ -49,11 +49,11 @@ fn the_mean_is_that_of_a_noisy_sensor() {
     let mut rig = Rig::new(&settings());
     for tick in 0..MEASURED {
         let mut sample = rig.bench.sense();
-        sample.current = [2050 + (tick % 4) as u16, 2048];
+        sample.drives.current = [2050 + (tick % 4) as u16, 2048];
         rig.controller.tick(&sample);
     }
     let mut sample = rig.bench.sense();
-    sample.current = [2052, 2048];
+    sample.drives.current = [2052, 2048];
     rig.controller.tick(&sample);
     let current = rig.controller.status().current[0] / settings().axes[0].current_per_code;
     assert!((current - 0.5).abs() < 0.01, "{current} codes");
@@ -93,7 +93,7 @@ fn an_implausible_zero_is_refused_until_it_is_plausible_again() {
     let mut rig = Rig::new(&narrow);
     for _ in 0..=MEASURED {
         let mut sample = rig.bench.sense();
-        sample.current = [2128, 2048];
+        sample.drives.current = [2128, 2048];
         rig.controller.tick(&sample);
     }
     assert_eq!(

@@ -202,7 +202,7 @@ fn a_bridge_drives_for_no_more_than_a_share_of_its_period() {
         rig.bench.push[joint] = 0.7;
         let mut greatest = 0.0_f32;
         for _ in 0..2000 {
-            let [duty1, duty4] = rig.tick().duty;
+            let [duty1, duty4] = rig.tick().drives.duty;
             greatest = greatest.max(duty1.abs()).max(duty4.abs());
         }
         assert!((greatest - 0.95).abs() < 1e-6, "{greatest}");

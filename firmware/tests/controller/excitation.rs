@@ -130,7 +130,7 @@ fn a_sequence_takes_both_values_and_holds_each() {
     };
     rig.controller.request(Request::Excite(sequence)).unwrap();
     rig.run(WAKING_TICKS);
-    let volts: Vec<f32> = (0..900).map(|_| rig.tick().duty[0] * 24.0).collect();
+    let volts: Vec<f32> = (0..900).map(|_| rig.tick().drives.duty[0] * 24.0).collect();
     let high = volts.iter().filter(|volts| (*volts - 1.5).abs() < 0.01);
     let low = volts.iter().filter(|volts| (*volts + 0.5).abs() < 0.01);
     let (high, low) = (high.count(), low.count());
@@ -328,7 +328,7 @@ fn a_voltage_beyond_the_bus_is_given_at_the_greatest_duty() {
         };
         rig.controller.request(Request::Excite(high)).unwrap();
         rig.run(WAKING_TICKS);
-        assert_eq!(rig.tick().duty, [sign * 0.95, 0.0]);
+        assert_eq!(rig.tick().drives.duty, [sign * 0.95, 0.0]);
     }
 }
 

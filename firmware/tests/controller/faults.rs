@@ -34,7 +34,7 @@ fn stays_off(rig: &mut Rig, mut command: ActuatorCommand, fault: Fault) {
     let snapshot = rig.controller.fault().unwrap();
     assert_eq!(snapshot.fault, fault);
     for _ in 0..200 {
-        assert_eq!(command.duty, [0.0; 2]);
+        assert_eq!(command.drives.duty, [0.0; 2]);
         assert_eq!(command.enable, [false; 2]);
         assert!(command.brake);
         assert_eq!(command.tool, 0);
@@ -380,7 +380,7 @@ fn the_same_samples_give_the_same_bits() {
     let run = || {
         let mut rig = running();
         (0..2000)
-            .map(|_| rig.tick().duty.map(f32::to_bits))
+            .map(|_| rig.tick().drives.duty.map(f32::to_bits))
             .collect::<Vec<_>>()
     };
     assert_eq!(run(), run());

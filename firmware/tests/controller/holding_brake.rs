@@ -369,7 +369,7 @@ fn an_excitation_waits_for_the_brakes_and_ends_when_they_hold() {
         .take_while(|_| {
             let command = rig.tick();
             assert_eq!((command.enable, command.brake), ([true; 2], false));
-            command.duty == [0.0; 2]
+            command.drives.duty == [0.0; 2]
         })
         .count();
     assert!((RELEASING as usize..=(RELEASING + LATE) as usize).contains(&released));
@@ -377,7 +377,7 @@ fn an_excitation_waits_for_the_brakes_and_ends_when_they_hold() {
     let braked = (1..2000)
         .take_while(|_| {
             let command = rig.tick();
-            assert!(command.duty == [0.0; 2] && command.brake);
+            assert!(command.drives.duty == [0.0; 2] && command.brake);
             command.enable == [true; 2]
         })
         .count();

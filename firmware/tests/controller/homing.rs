@@ -23,7 +23,7 @@ fn home_with(rig: &mut Rig, mut disturb: impl FnMut(u32, &mut Bench)) -> u32 {
         let command = rig.tick();
         // The current is limited: the voltage is at most that of this current plus the
         // back-EMF.
-        for duty in command.duty {
+        for duty in command.drives.duty {
             assert!(duty.abs() < (1.2 * 2.3 + 0.3) / 24.0 * 2.5, "{duty}");
         }
     }

@@ -122,7 +122,7 @@ fn a_joint_without_current_feels_no_stop() {
                 * f64::from(u8::from(depth > 0.0))
         });
         let mut sample = rig.bench.sense();
-        sample.current = [2048; 2];
+        sample.drives.current = [2048; 2];
         let command = rig.controller.tick(&sample);
         rig.controller.feed_host_timeout();
         rig.bench.step(&command);
@@ -153,7 +153,7 @@ fn an_absolute_encoder_gives_the_angles_in_any_turn_without_a_motion() {
         rig.controller.request(Request::Home).unwrap();
         for _ in 0..100 {
             let command = rig.run(1);
-            assert_eq!(command.duty, [0.0; 2]);
+            assert_eq!(command.drives.duty, [0.0; 2]);
         }
         let status = rig.controller.status();
         assert!(
@@ -191,7 +191,7 @@ fn given_angles_are_those_of_home_and_are_not_taken_from_an_arm_that_moves() {
     rig.run(1);
     rig.controller.request(Request::Home).unwrap();
     for _ in 0..100 {
-        assert_eq!(rig.run(1).duty, [0.0; 2]);
+        assert_eq!(rig.run(1).drives.duty, [0.0; 2]);
     }
     let status = rig.controller.status();
     assert!(status.homed && status.state == State::Stopped);

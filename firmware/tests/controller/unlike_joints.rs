@@ -34,7 +34,7 @@ fn the_zero_of_either_current_sensor_is_compared_with_its_own() {
         let mut rig = Rig::new(&settings());
         for _ in 0..2200 {
             let mut sample = rig.bench.sense();
-            sample.current[joint] = 2200;
+            sample.drives.current[joint] = 2200;
             rig.controller.tick(&sample);
         }
         rig.controller.request(Request::SetAngles(START)).unwrap();

@@ -2,11 +2,12 @@
 
 use crate::rig::{Rig, START, WAKING_TICKS, settings};
 use fivebar_firmware::controller::Request;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{ActuatorCommand, MoveKind};
 
 const WAKING: ActuatorCommand = ActuatorCommand {
-    duty: [0.0; 2],
+    drives: BrushedCommand { duty: [0.0; 2] },
     enable: [true; 2],
     brake: true,
     tool: 0,
@@ -77,7 +78,7 @@ fn the_loops_begin_when_the_bridges_are_awake() {
     rig.bench.push = [0.0; 2];
     for tick in 0..1000 {
         let command = rig.tick();
-        for duty in command.duty {
+        for duty in command.drives.duty {
             assert!(duty.abs() < 0.1, "tick {tick}: {duty}");
         }
     }

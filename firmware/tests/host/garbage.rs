@@ -4,6 +4,7 @@
 use crate::moves::move_kind;
 use crate::rig::{Bench, START, settings};
 use fivebar_firmware::controller::{Excitation, Excited, Request};
+use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::safety::{Response, State};
 use fivebar_firmware::{ActuatorCommand, Controller, Move, MoveKind, Planner, SensorSample};
 use fivebar_testkit::Tally;
@@ -46,8 +47,10 @@ fn sensor_sample() -> impl Strategy<Value = SensorSample> {
         .prop_map(
             |(counts, current, bus_voltage, home, emergency_stop)| SensorSample {
                 counts,
-                current,
-                bus_voltage,
+                drives: BrushedSample {
+                    current,
+                    bus_voltage,
+                },
                 home,
                 emergency_stop,
                 ..SensorSample::default()
@@ -126,7 +129,7 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
         | State::Stopping => true,
         State::Fault => controller.fault().unwrap().fault.response() == Response::ControlledStop,
     };
-    for (duty, enable) in command.duty.into_iter().zip(command.enable) {
+    for (duty, enable) in command.drives.duty.into_iter().zip(command.enable) {
         assert!(duty.abs() <= 1.0, "{duty} while {:?}", controller.state());
         assert!(enable || duty == 0.0);
         assert!(powered || !enable, "power while {:?}", controller.state());

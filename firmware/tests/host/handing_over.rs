@@ -213,7 +213,7 @@ fn a_hot_motor_stays_hot_when_a_host_applies_settings() {
     for tick in 0..32_500 {
         let mut sample = desk.bench.sense();
         if tick < 30_000 {
-            sample.current[1] += 768;
+            sample.drives.current[1] += 768;
         }
         desk.controller.tick(&sample);
     }

@@ -53,11 +53,11 @@ fn a_row_holds_the_chosen_signals_of_its_tick() {
     let row = [
         sample.counts[0] as u16,
         sample.counts[1] as u16,
-        sample.current[0],
-        sample.current[1],
+        sample.drives.current[0],
+        sample.drives.current[1],
         0,
         0,
-        sample.bus_voltage,
+        sample.drives.bus_voltage,
         inputs,
     ];
     assert_eq!(words[..8], row);

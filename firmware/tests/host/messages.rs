@@ -5,6 +5,7 @@ use crate::sections::{section, section_key};
 use fivebar_firmware::controller::{
     self, Excitation, ExcitationEnd, Excited, JointReference, Snapshot,
 };
+use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, HostCommand, HostMessage, Identity, Reply, Reset,
@@ -47,8 +48,10 @@ fn sensor_sample() -> impl Strategy<Value = SensorSample> {
             )| {
                 SensorSample {
                     counts,
-                    current,
-                    bus_voltage,
+                    drives: BrushedSample {
+                        current,
+                        bus_voltage,
+                    },
                     home,
                     index,
                     emergency_stop,
@@ -237,7 +240,7 @@ fn step_result() -> impl Strategy<Value = StepResult> {
         |(status, on, tool, instructions)| {
             let [enable1, enable4, brake] = on;
             let command = ActuatorCommand {
-                duty: status.duty,
+                drives: BrushedCommand { duty: status.duty },
                 enable: [enable1, enable4],
                 brake,
                 tool,

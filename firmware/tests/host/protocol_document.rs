@@ -2,6 +2,7 @@
 
 use crate::messages;
 use fivebar_firmware::controller;
+use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Message,
     Reply, Reset, SectionKey, Sequence, encode,
@@ -100,8 +101,10 @@ fn every_example_is_what_the_library_writes_and_reads() {
                 303,
                 HostCommand::Tick(SensorSample {
                     counts: [-1, 1000],
-                    current: [2048, 2050],
-                    bus_voltage: 3000,
+                    drives: BrushedSample {
+                        current: [2048, 2050],
+                        bus_voltage: 3000,
+                    },
                     home: [false, true],
                     ..SensorSample::default()
                 }),

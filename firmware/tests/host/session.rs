@@ -104,7 +104,10 @@ fn an_emergency_stop_is_executed_whatever_its_number() {
         desk.send(number, HostCommand::Request(Request::EmergencyStop));
         let command = desk.controller.tick(&desk.bench.sense());
         assert_eq!(desk.controller.status().fault, Some(Fault::EmergencyStop));
-        assert_eq!((command.duty, command.enable), ([0.0; 2], [false; 2]));
+        assert_eq!(
+            (command.drives.duty, command.enable),
+            ([0.0; 2], [false; 2])
+        );
     }
 }
 

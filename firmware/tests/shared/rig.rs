@@ -8,6 +8,7 @@
 )]
 
 use fivebar_firmware::controller::{Controller, Request};
+use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
 use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{AxisSettings, ControlSettings, ProtectionSettings, Settings};
@@ -27,7 +28,7 @@ pub(crate) const WAKING_TICKS: u32 = 16;
 
 /// The bridges off and the brake engaged.
 pub(crate) const OFF: ActuatorCommand = ActuatorCommand {
-    duty: [0.0; 2],
+    drives: BrushedCommand { duty: [0.0; 2] },
     enable: [false; 2],
     brake: true,
     tool: 0,
@@ -175,8 +176,10 @@ impl Bench {
             home: self.stuck.unwrap_or([switch(0), switch(1)]),
             index: [index(0), index(1)],
             counts: [0, 1].map(|joint| self.stuck_counts[joint].unwrap_or_else(|| counts(joint))),
-            current: [code(0), code(1)],
-            bus_voltage: (self.bus * 100.0).round() as u16,
+            drives: BrushedSample {
+                current: [code(0), code(1)],
+                bus_voltage: (self.bus * 100.0).round() as u16,
+            },
             ..self.overlay
         }
     }
@@ -193,7 +196,7 @@ impl Bench {
                 let ratio = f64::from(axis.gear_ratio);
                 let k = f64::from(axis.torque_constant) * ratio;
                 if acting.enable[joint] {
-                    let v = f64::from(acting.duty[joint]) * self.bus - k * self.omega[joint];
+                    let v = f64::from(acting.drives.duty[joint]) * self.bus - k * self.omega[joint];
                     let (r, l) = (f64::from(axis.resistance), f64::from(axis.inductance));
                     let a = (-r * dt / l).exp();
                     self.current[joint] = a * self.current[joint] + (1.0 - a) * v / r;

@@ -99,7 +99,7 @@ impl Plant {
                 self.faults.bridges[joint] = Some(BridgeDefect::Shorted);
             }
             FaultKind::DutyStuck { joint } => {
-                let duty = f64::from(self.active.duty[joint]);
+                let duty = f64::from(self.active.drives.duty[joint]);
                 self.faults.bridges[joint] = Some(BridgeDefect::Stuck(duty));
             }
             FaultKind::DriverFaultStuck { joint } | FaultKind::DriverFaultOpen { joint } => {

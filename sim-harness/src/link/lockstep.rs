@@ -231,7 +231,7 @@ fn difference(here: &StepResult, there: &StepResult) -> Option<(&'static str, St
     let bits = |pair: [f32; 2]| pair.map(f32::to_bits);
     let tool = |result: &StepResult| result.tool.map(bits);
     let pairs = [
-        ("duty", here.command.duty, there.command.duty),
+        ("duty", here.command.drives.duty, there.command.drives.duty),
         ("angle", here.angle, there.angle),
         ("velocity", here.velocity, there.velocity),
         ("current_demand", here.current_demand, there.current_demand),

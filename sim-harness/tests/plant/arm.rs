@@ -3,6 +3,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Mismatch, PlantFault};
 use fivebar_plant::{Loads, Model, Plant, State};
@@ -26,7 +27,7 @@ fn plant(seed: u64) -> Plant {
 
 fn driven_by(duty: [f32; 2]) -> ActuatorCommand {
     ActuatorCommand {
-        duty,
+        drives: BrushedCommand { duty },
         enable: [true; 2],
         brake: false,
         tool: 0,
@@ -253,13 +254,14 @@ fn sensor_codes_match_current_and_bus_voltage() {
     let sample = plant.sense();
     for j in 0..2 {
         let axis = &settings.axes[j];
-        let codes = f64::from(sample.current[j]) - f64::from(axis.current_zero_code);
+        let codes = f64::from(sample.drives.current[j]) - f64::from(axis.current_zero_code);
         let current = codes * f64::from(axis.current_per_code);
         let half_code = 0.5001 * f64::from(axis.current_per_code);
         assert!((current - plant.state().current[j]).abs() <= half_code);
         assert!(current.abs() > 0.5);
     }
-    let volts = f64::from(sample.bus_voltage) * f64::from(settings.protection.bus_voltage_per_code);
+    let volts =
+        f64::from(sample.drives.bus_voltage) * f64::from(settings.protection.bus_voltage_per_code);
     assert!((volts - 24.0).abs() < 0.01);
 }
 
@@ -301,8 +303,11 @@ fn injected_faults_occur_at_their_time() {
     assert_ne!(plant.angle(Joint::Joint1), angle);
     assert!(after.counts[1].wrapping_sub(before.counts[1]) > 4900);
     assert!(after.home[0] && after.emergency_stop);
-    assert!((f64::from(after.bus_voltage) / f64::from(before.bus_voltage) - 0.5).abs() < 0.01);
-    assert!(f64::from(later.current[1]) > 2048.0 + 0.4 / (16.0 / 4096.0));
+    assert!(
+        (f64::from(after.drives.bus_voltage) / f64::from(before.drives.bus_voltage) - 0.5).abs()
+            < 0.01
+    );
+    assert!(f64::from(later.drives.current[1]) > 2048.0 + 0.4 / (16.0 / 4096.0));
     assert_eq!(
         plant.state().current,
         [0.0; 2],

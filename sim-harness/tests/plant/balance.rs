@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_plant::{Harmonic, Harmonics, Mismatch, Plant};
 use nalgebra::Vector2;
 use proptest::prelude::*;
@@ -52,10 +53,12 @@ fn command(time: f64) -> ActuatorCommand {
     let pause = (time % 0.5) > 0.4;
     let size = if pause { 0.0 } else { 1.0 };
     ActuatorCommand {
-        duty: [
-            size * (0.12 * swing(40.0, 0.0) + 0.05 * swing(900.0, 1.0)),
-            size * (-0.15 * swing(31.0, 0.5) + 0.05 * swing(1300.0, 0.0)),
-        ],
+        drives: BrushedCommand {
+            duty: [
+                size * (0.12 * swing(40.0, 0.0) + 0.05 * swing(900.0, 1.0)),
+                size * (-0.15 * swing(31.0, 0.5) + 0.05 * swing(1300.0, 0.0)),
+            ],
+        },
         enable: [(time % 0.3) > 0.01, true],
         brake: false,
         tool: 0,

@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::{FaultKind, Mismatch, Parameters, Plant};
 use nalgebra::{Matrix2, Vector2};
@@ -28,7 +29,7 @@ fn frictionless() -> (Parameters, Pose<f64>) {
 
 /// The bridges are off, so that the motors do not brake.
 const OFF: ActuatorCommand = ActuatorCommand {
-    duty: [0.0; 2],
+    drives: BrushedCommand { duty: [0.0; 2] },
     enable: [false; 2],
     brake: false,
     tool: 0,
@@ -73,7 +74,7 @@ fn a_rotor_on_a_held_joint_oscillates_at_the_root_of_k_over_j_with_its_damping_r
             joint: Joint::Joint1,
         });
         let pulse = ActuatorCommand {
-            duty: [0.2, 0.0],
+            drives: BrushedCommand { duty: [0.2, 0.0] },
             enable: [true, false],
             ..OFF
         };
@@ -118,7 +119,7 @@ fn the_free_arm_oscillates_at_the_eigenfrequencies_of_both_inertias() {
     };
     let mut plant = Plant::new(&parameters, &mismatch, &pose, 1);
     let pulse = ActuatorCommand {
-        duty: [0.1, 0.05],
+        drives: BrushedCommand { duty: [0.1, 0.05] },
         enable: [true; 2],
         ..OFF
     };
@@ -174,7 +175,9 @@ fn against_a_held_joint_the_rotor_turns_by_the_gap_and_the_deflection() {
         });
         for sign in [1.0_f32, -1.0, 1.0] {
             let push = ActuatorCommand {
-                duty: [0.0, 0.1 * sign],
+                drives: BrushedCommand {
+                    duty: [0.0, 0.1 * sign],
+                },
                 enable: [false, true],
                 ..OFF
             };
@@ -212,7 +215,9 @@ fn a_slow_joint_follows_its_rotor_with_half_the_gap_less() {
     for tick in 0..60_000 {
         let time = 1e-4 * f64::from(tick);
         let push = ActuatorCommand {
-            duty: [0.09 * (TAU * 0.5 * time).sin() as f32, 0.0],
+            drives: BrushedCommand {
+                duty: [0.09 * (TAU * 0.5 * time).sin() as f32, 0.0],
+            },
             enable: [true, false],
             ..OFF
         };

@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::{FaultKind, Mismatch, PERIODS_PER_TURN, Parameters, Plant};
 use std::f64::consts::{PI, TAU};
@@ -38,7 +39,7 @@ fn plant_at(parameters: &Parameters, mismatch: &Mismatch, angles: [f64; 2]) -> P
 
 fn driven_by(duty: [f32; 2], enable: [bool; 2]) -> ActuatorCommand {
     ActuatorCommand {
-        duty,
+        drives: BrushedCommand { duty },
         enable,
         brake: false,
         tool: 0,
@@ -158,7 +159,7 @@ fn the_bus_sags_by_the_resistance_of_the_supply() {
         let expected = BUS / (1.0 + resistance * load);
         assert!(expected < BUS - 0.5);
         assert!((plant.bus_voltage() - expected).abs() < 1e-6);
-        let code = f64::from(plant.sense().bus_voltage) * parameters.volts_per_code;
+        let code = f64::from(plant.sense().drives.bus_voltage) * parameters.volts_per_code;
         assert!((code - expected).abs() <= 0.5 * parameters.volts_per_code + 1e-9);
         let current = plant.state().current[0];
         assert!((current - held[0] * expected / RESISTANCE).abs() < 1e-6);

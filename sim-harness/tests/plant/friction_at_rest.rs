@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{Mismatch, Plant};
 use std::f64::consts::TAU;
@@ -26,7 +27,9 @@ fn plant(stiction: f64) -> Plant {
 fn push(plant: &mut Plant, torque: f64) {
     let emf = 8.0 * 0.0234 * plant.state().v[0].angular / 24.0;
     let command = ActuatorCommand {
-        duty: [(DUTY * torque + emf) as f32, 0.0],
+        drives: BrushedCommand {
+            duty: [(DUTY * torque + emf) as f32, 0.0],
+        },
         enable: [true, false],
         brake: false,
         tool: 0,

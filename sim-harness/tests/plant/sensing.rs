@@ -3,6 +3,7 @@
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{EncoderSide, Harmonic, Harmonics, Mismatch, Parameters, Plant};
 use std::f64::consts::TAU;
@@ -23,7 +24,7 @@ fn plant_of(parameters: &Parameters, mismatch: &Mismatch) -> Plant {
 
 fn driven_by(duty: [f32; 2]) -> ActuatorCommand {
     ActuatorCommand {
-        duty,
+        drives: BrushedCommand { duty },
         enable: [true; 2],
         brake: false,
         tool: 0,

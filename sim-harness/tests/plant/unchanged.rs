@@ -2,6 +2,7 @@
 //! than ideal. The controller has no part in it, so that its changes leave these figures alone.
 
 use fivebar_files::robot::Robot;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_plant::{Mismatch, Plant, State};
 
@@ -26,9 +27,9 @@ impl Digest {
         for joint in 0..2 {
             self.add(state.current[joint].to_bits());
             self.add(u64::from(sample.counts[joint] as u32));
-            self.add(u64::from(sample.current[joint]) << 1 | u64::from(sample.home[joint]));
+            self.add(u64::from(sample.drives.current[joint]) << 1 | u64::from(sample.home[joint]));
         }
-        self.add(sample.bus_voltage.into());
+        self.add(sample.drives.bus_voltage.into());
     }
 }
 
@@ -41,7 +42,9 @@ fn digest(robot: &str, mismatch: &Mismatch) -> u64 {
     for tick in 0..3000 {
         let sign = if tick / 250 % 2 == 0 { 1.0 } else { -1.0 };
         let command = ActuatorCommand {
-            duty: [-0.06 * sign, 0.04 * sign],
+            drives: BrushedCommand {
+                duty: [-0.06 * sign, 0.04 * sign],
+            },
             enable: [tick < 2800; 2],
             brake: tick < 20,
             tool: 0,

@@ -296,7 +296,11 @@ impl<L: Read + Write> Bench<L> {
 /// Duties exactly zero, bridges off, brake on.
 #[track_caller]
 pub(crate) fn is_off(result: &StepResult) {
-    assert_eq!(result.command.duty.map(f32::to_bits), [0; 2], "{result:?}");
+    assert_eq!(
+        result.command.drives.duty.map(f32::to_bits),
+        [0; 2],
+        "{result:?}"
+    );
     assert_eq!(result.command.enable, [false; 2]);
     assert!(result.command.brake);
 }

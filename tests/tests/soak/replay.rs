@@ -138,7 +138,7 @@ fn a_reply_that_differs_in_one_bit_is_found() {
     };
     assert_eq!(counted, Ok(expected));
     let changes: [&dyn Fn(&mut StepResult); 5] = [
-        &|result| result.command.duty[1] = -0.0,
+        &|result| result.command.drives.duty[1] = -0.0,
         &|result| result.angle[0] = f32::from_bits(result.angle[0].to_bits() ^ 1),
         &|result| result.velocity[1] = -0.0,
         &|result| result.current_demand[0] = f32::from_bits(1),

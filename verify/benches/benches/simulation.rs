@@ -4,6 +4,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
 use fivebar_sim::simulation::Simulate;
@@ -37,7 +38,9 @@ fn plant(c: &mut Criterion) {
                     let enable = [true; 2];
                     plant.step(
                         &ActuatorCommand {
-                            duty: [duty, -duty],
+                            drives: BrushedCommand {
+                                duty: [duty, -duty],
+                            },
                             enable,
                             brake: false,
                             tool: 0,

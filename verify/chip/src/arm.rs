@@ -8,6 +8,7 @@ use crate::peripherals::pwm_timer::Pulses;
 use crate::peripherals::tim1::Output;
 use crate::time::{MICROSECOND, NEVER, SECOND, Time};
 use crate::wiring::{Edges, Outputs, Wiring};
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 use fivebar_plant::{FaultKind, Hands, Plant, State};
@@ -225,7 +226,9 @@ impl Arm {
         let inputs = self.outputs.pwm.map(share);
         let bridges = [[inputs[0], inputs[1]], [inputs[2], inputs[3]]];
         ActuatorCommand {
-            duty: bridges.map(|[in1, in2]| in1 - in2),
+            drives: BrushedCommand {
+                duty: bridges.map(|[in1, in2]| in1 - in2),
+            },
             enable: [0, 1].map(|j| {
                 let [in1, in2] = bridges[j];
                 self.awake_at[j] <= now && (in1 > 0.0 || in2 > 0.0)
@@ -358,11 +361,11 @@ impl Wiring for SharedArm {
                     false => 0,
                 };
                 arm.samples_on_edges += u64::from(error > 0);
-                return arm.sample.current[joint] + error;
+                return arm.sample.drives.current[joint] + error;
             }
         }
         if window.channel == BUS {
-            arm.sample.bus_voltage
+            arm.sample.drives.bus_voltage
         } else {
             0
         }

@@ -144,7 +144,11 @@ fn a_bridge_is_given_its_time_to_wake() {
         .history
         .iter()
         .fold(0.0_f32, |most, (_, acting)| {
-            most.max(acting.duty[0].abs()).max(acting.duty[1].abs())
+            acting
+                .drives
+                .duty
+                .iter()
+                .fold(most, |most, duty| most.max(duty.abs()))
         });
     assert!(strongest < 0.1, "{strongest}");
 }

@@ -172,7 +172,7 @@ impl<'a> Here<'a> {
             // The bridges follow in the next tick, the preloaded duties in the one after it.
             let [before_last, last] = self.given;
             let enabled = last.enable == [true; 2];
-            let duty = before_last.duty.map(|duty| match enabled {
+            let duty = before_last.drives.duty.map(|duty| match enabled {
                 true => (duty * FULL).round() as i32,
                 false => 0,
             });

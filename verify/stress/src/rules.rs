@@ -93,7 +93,7 @@ impl Rules {
         let broken = |rule, found: fmt::Arguments<'_>| Err(Violation::new(tick, rule, found));
         self.silence = self.silence.saturating_add(1);
 
-        if !command.duty.iter().all(|duty| duty.abs() <= 1.0) {
+        if !command.drives.duty.iter().all(|duty| duty.abs() <= 1.0) {
             return broken(
                 "duties are finite and within ±1",
                 format_args!("{command:?}"),
@@ -105,7 +105,7 @@ impl Rules {
                 format_args!("{command:?}"),
             );
         }
-        let idle = command.duty == [0.0; 2];
+        let idle = command.drives.duty == [0.0; 2];
         if !(power || idle && command.brake) {
             return broken(
                 "without power duties are 0 and the brake is engaged",

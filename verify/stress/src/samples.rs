@@ -2,6 +2,7 @@
 
 use crate::bytes::Bytes;
 use fivebar_firmware::SensorSample;
+use fivebar_firmware::drives::BrushedSample;
 
 /// How the samples differ from those of the arm.
 #[derive(Clone, Copy, Debug)]
@@ -41,8 +42,8 @@ impl Hostile {
                 let joint = usize::from(which & 1);
                 match which >> 1 & 7 {
                     0 => real.counts[joint] = i32::from(value),
-                    1 => real.current[joint] = value,
-                    2 => real.bus_voltage = value,
+                    1 => real.drives.current[joint] = value,
+                    2 => real.drives.bus_voltage = value,
                     3 => real.home[joint] ^= true,
                     4 => real.emergency_stop = true,
                     5 => real.driver_fault[joint] = true,
@@ -65,8 +66,10 @@ fn sample(word: &mut impl FnMut() -> u32) -> SensorSample {
     let flags = word();
     SensorSample {
         counts: [word().cast_signed(), word().cast_signed()],
-        current: [word() as u16, word() as u16],
-        bus_voltage: word() as u16 % 4096,
+        drives: BrushedSample {
+            current: [word() as u16, word() as u16],
+            bus_voltage: word() as u16 % 4096,
+        },
         home: [flags & 1 != 0, flags & 2 != 0],
         index: [flags & 0x8000 != 0, flags & 0x1_0000 != 0],
         emergency_stop: flags & 0x1c == 0,

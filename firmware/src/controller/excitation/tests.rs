@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::controller::Request;
+use crate::drives::{BrushedCommand, BrushedSample};
+use crate::{Controller, SensorSample, Settings};
 
 /// 0.5 A at most, and 0.1 rad.
 fn excitation() -> Excitation {
@@ -94,10 +96,14 @@ fn braked_for(velocity: [f32; 2]) -> u32 {
     controller.request(request).unwrap();
     let measurement = Measurement {
         innovation: [0.0; 2],
-        current: [0.0; 2],
         velocity,
     };
-    let braked = |_: &u32| matches!(controller.brake_excited(&measurement), Bridges::Excited);
+    let braked = |_: &u32| {
+        matches!(
+            controller.brake_excited(&measurement),
+            WithoutReference::Excited
+        )
+    };
     1 + (0..10_000).take_while(braked).count() as u32
 }
 
@@ -128,8 +134,10 @@ fn an_excitation_takes_nothing_over_from_the_one_before() {
 #[test]
 fn an_excitation_s_duty_that_is_not_a_number_switches_off_in_its_tick() {
     let sample = SensorSample {
-        current: [2048; 2],
-        bus_voltage: 2048,
+        drives: BrushedSample {
+            current: [2048; 2],
+            bus_voltage: 2048,
+        },
         ..SensorSample::default()
     };
     let mut controller = Controller::new(&Settings::BENCHTOP.check().unwrap());
@@ -145,8 +153,11 @@ fn an_excitation_s_duty_that_is_not_a_number_switches_off_in_its_tick() {
         controller.tick(&sample);
     }
     assert!(controller.tick(&sample).enable[1], "it drives");
-    controller.model.axes[1].current_offset = f32::NAN;
+    controller.drives.spoil(1);
     let command = controller.tick(&sample);
-    assert_eq!((command.enable, command.duty), ([false; 2], [0.0; 2]));
+    assert_eq!(
+        (command.enable, command.drives),
+        ([false; 2], BrushedCommand::default())
+    );
     assert_eq!(controller.status().fault, Some(Fault::NotANumber));
 }

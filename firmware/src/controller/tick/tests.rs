@@ -3,6 +3,7 @@
 use crate::controller::Request;
 use crate::controller::setpoint::Setpoint;
 use crate::controller::tick::TorqueCommand;
+use crate::drives::{BrushedCommand, BrushedSample};
 use crate::safety::{Fault, Limits};
 use crate::settings::ToolOutputSettings;
 use crate::{
@@ -13,8 +14,10 @@ use fivebar_kinematics::five_bar::{Side, WorkingMode};
 /// Zero current, 24 V.
 const SAMPLE: SensorSample = SensorSample {
     counts: [0; 2],
-    current: [2048; 2],
-    bus_voltage: 2048,
+    drives: BrushedSample {
+        current: [2048; 2],
+        bus_voltage: 2048,
+    },
     home: [false; 2],
     index: [false; 2],
     emergency_stop: false,
@@ -39,13 +42,12 @@ fn armed(settings: &Settings) -> Controller {
 fn a_duty_of_either_joint_that_is_not_a_number_switches_off_in_its_tick() {
     for joint in [0, 1] {
         let mut controller = armed(&Settings::BENCHTOP);
-        let axis = controller.model.axes.get_mut(joint).expect("two joints");
-        axis.current_offset = f32::NAN;
+        controller.drives.spoil(joint);
         let command = controller.tick(&SAMPLE);
         assert_eq!(
             command,
             ActuatorCommand {
-                duty: [0.0; 2],
+                drives: BrushedCommand::default(),
                 enable: [false; 2],
                 brake: true,
                 tool: 0,
@@ -81,7 +83,7 @@ fn a_duty_that_is_not_a_number_switches_the_tool_off_in_its_tick() {
         controller.tick(&SAMPLE).tool != off
     });
     assert!(is_on);
-    controller.model.axes[0].current_offset = f32::NAN;
+    controller.drives.spoil(0);
     let command = controller.tick(&SAMPLE);
     assert_eq!((command.enable, command.tool), ([false; 2], off));
 }

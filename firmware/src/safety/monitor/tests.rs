@@ -2,7 +2,6 @@
 
 use super::Monitor;
 use crate::Settings;
-use crate::safety::Fault;
 use core::f32::consts::TAU;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Geometry, Side};
@@ -27,12 +26,6 @@ fn trips_beyond(limit: f32, exceeded: impl Fn([f32; 2]) -> bool) {
         assert!(exceeded([2.0 * beyond, -2.0 * beyond]), "both beyond {at}");
     }
     assert!(!exceeded([f32::NAN; 2]), "not a number");
-}
-
-#[test]
-fn the_current_of_either_motor_trips_above_its_limit() {
-    let limit = Settings::BENCHTOP.protection.over_current;
-    trips_beyond(limit, |current| monitor().over_current(current));
 }
 
 #[test]
@@ -130,24 +123,6 @@ fn links_2_and_3_are_too_nearly_in_line_below_half_of_the_margin_on_both_assembl
         assert!(monitor.near_parallel(&links));
         links.cross = 0.0;
         assert!(monitor.near_parallel(&links));
-    }
-}
-
-#[test]
-fn a_bus_voltage_outside_its_range_is_a_fault_by_its_side() {
-    let monitor = monitor();
-    let [low, high] = Settings::BENCHTOP.protection.bus_voltage;
-    for inside in [low, 24.0, high] {
-        assert_eq!(monitor.bus(inside), None, "{inside} V");
-    }
-    for (voltage, fault) in [
-        (low.next_down(), Fault::UnderVoltage),
-        (0.0, Fault::UnderVoltage),
-        (high.next_up(), Fault::OverVoltage),
-        (1000.0, Fault::OverVoltage),
-        (f32::INFINITY, Fault::OverVoltage),
-    ] {
-        assert_eq!(monitor.bus(voltage), Some(fault), "{voltage} V");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::{BUILT_IN, BuiltIn, Robot};
 use fivebar_firmware::ActuatorCommand;
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
 
@@ -301,7 +302,7 @@ fn no_number_in_a_robot_file_makes_the_program_panic_or_hang() {
                 plant.sense();
                 plant.step(
                     &ActuatorCommand {
-                        duty: [0.5, -0.5],
+                        drives: BrushedCommand { duty: [0.5, -0.5] },
                         enable: [true; 2],
                         brake: false,
                         tool: 0,

@@ -4,6 +4,7 @@ use super::failure::{Failure, refused};
 use super::port::{PortArgs, PortClient, interrupted};
 use super::say::say;
 use super::value_error::ValueError;
+use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::protocol::{HostCommand, Reply, Section, SectionKey, StackUse, Telemetry};
 use fivebar_firmware::{SensorSample, Status, safety::Limits};
 use fivebar_sim::simulation::fault_name;
@@ -139,8 +140,11 @@ fn show_inputs(
 fn inputs(sample: &SensorSample) -> String {
     let SensorSample {
         counts: [counts1, counts4],
-        current: [code1, code4],
-        bus_voltage,
+        drives:
+            BrushedSample {
+                current: [code1, code4],
+                bus_voltage,
+            },
         home: [home1, home4],
         index: [index1, index4],
         emergency_stop,

@@ -3,6 +3,7 @@
 use crate::arm;
 use crate::board::{Board, end, fivebar};
 use fivebar_firmware::SensorSample;
+use fivebar_firmware::drives::BrushedSample;
 use fivebar_sim::link::Loopback;
 use std::io::Write;
 use std::process::Command;
@@ -46,8 +47,10 @@ fn a_monitor_shows_samples_and_counts_losses() {
 fn a_monitor_shows_raw_inputs_before_settings_and_homing() {
     let pressed = SensorSample {
         counts: [-12_345, 678],
-        current: [2047, 2050],
-        bus_voltage: 1234,
+        drives: BrushedSample {
+            current: [2047, 2050],
+            bus_voltage: 1234,
+        },
         home: [false, true],
         index: [true, false],
         emergency_stop: true,

@@ -3,6 +3,7 @@
 
 use crate::arm::start;
 use crate::orders;
+use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::AxisSettings;
 use fivebar_firmware::{ActuatorCommand, SensorSample, Settings, Status};
@@ -169,8 +170,10 @@ impl FollowingArm {
         });
         SensorSample {
             counts: [self.frozen.unwrap_or(count1), count4],
-            current: [code((current1, axis1)), code((current4, axis4))],
-            bus_voltage: (bus / settings.protection.bus_voltage_per_code) as u16,
+            drives: BrushedSample {
+                current: [code((current1, axis1)), code((current4, axis4))],
+                bus_voltage: (bus / settings.protection.bus_voltage_per_code) as u16,
+            },
             home,
             index: [false; 2],
             emergency_stop: is(Disturbance::EmergencyStop),
@@ -205,7 +208,7 @@ impl FollowingArm {
     /// The currents that the duties drive in this tick; those of the command act in the next one.
     fn drive(&mut self, command: &ActuatorCommand, powered: bool, settings: &Settings) {
         let period = 1.0 / settings.control.tick_rate;
-        let acting = std::mem::replace(&mut self.acting, command.duty);
+        let acting = std::mem::replace(&mut self.acting, command.drives.duty);
         for (joint, axis) in settings.axes.iter().enumerate() {
             let kept = (-axis.resistance * period / axis.inductance).exp();
             let back_emf = axis.gear_ratio * axis.torque_constant * self.velocity[joint] as f32;

@@ -177,7 +177,7 @@ impl History {
         after: &Status,
     ) -> Result<(), Broken> {
         let powered = command.enable == [true; 2];
-        let drives = command.duty != [0.0; 2] || !command.brake;
+        let drives = command.drives.duty != [0.0; 2] || !command.brake;
         if powered && drives && self.powered_for < self.wake_up {
             let found = format!("driven after {} ticks", self.powered_for);
             return Err(("bridges are driven only when they are awake", found));

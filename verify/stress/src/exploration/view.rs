@@ -77,7 +77,7 @@ impl View {
             homed: status.homed,
             powered,
             brake: command.brake,
-            drives: command.duty != [0.0; 2],
+            drives: command.drives.duty != [0.0; 2],
             tool_is_on: status.tool_level > 0.0,
             moves: moves(status),
             directions: if homes {

@@ -363,7 +363,7 @@ impl<'b> Session<'b> {
         self.report.ticks += 1;
         self.report.powered += u32::from(command.enable[0]);
         self.outputs.push((
-            command.duty.map(f32::to_bits),
+            command.drives.duty.map(f32::to_bits),
             command.enable[0],
             status.state,
         ));

@@ -5,9 +5,8 @@
 //! current that is a fault; otherwise the sensor or its wiring is at fault, and the arm is not
 //! powered. Until the first zeros are measured, those of the settings are used.
 
-use super::Controller;
-use crate::io::SensorSample;
-use crate::settings::AxisSettings;
+use super::BrushedDrives;
+use crate::settings::{AxisSettings, Settings};
 use fivebar_kinematics::Scalar;
 
 /// Ticks of a mean.
@@ -19,9 +18,19 @@ const TOLERANCE: f32 = 100.0;
 /// The greatest code of the converters.
 const FULL_SCALE: f32 = 4095.0;
 
+/// Where the zero code of a sensor may lie.
+#[derive(Clone)]
+struct ZeroRange {
+    /// The zero code of the settings.
+    expected: f32,
+    /// Codes that a sensor needs on either side: of the over-current, and one more.
+    codes: f32,
+}
+
 /// The sums of the codes, and what was found last.
 #[derive(Clone)]
 pub(super) struct CurrentZeros {
+    ranges: [ZeroRange; 2],
     sums: [u32; 2],
     /// Ticks since the bridges went off, or since the end of the last mean and the settling time.
     ticks: u32,
@@ -29,8 +38,14 @@ pub(super) struct CurrentZeros {
 }
 
 impl CurrentZeros {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let [axis1, axis4] = &settings.axes;
+        let over_current = settings.protection.over_current;
         Self {
+            ranges: [
+                ZeroRange::new(axis1, over_current),
+                ZeroRange::new(axis4, over_current),
+            ],
             sums: [0; 2],
             ticks: 0,
             plausible: [true; 2],
@@ -65,36 +80,45 @@ impl CurrentZeros {
     }
 }
 
-/// Whether a sensor with this zero code can be used.
-fn is_plausible(zero: f32, axis: &AxisSettings, over_current: f32) -> bool {
-    let near = Scalar::abs(zero - f32::from(axis.current_zero_code)) <= TOLERANCE;
-    // Not `min`, which would call the library.
-    let codes = over_current / axis.current_per_code + 1.0;
-    near && codes <= zero && codes <= FULL_SCALE - zero
+impl ZeroRange {
+    fn new(axis: &AxisSettings, over_current: f32) -> Self {
+        Self {
+            expected: f32::from(axis.current_zero_code),
+            codes: over_current / axis.current_per_code + 1.0,
+        }
+    }
+
+    /// Whether a sensor with this zero code can be used.
+    fn holds(&self, zero: f32) -> bool {
+        let near = Scalar::abs(zero - self.expected) <= TOLERANCE;
+        // Not `min`, which would call the library.
+        near && self.codes <= zero && self.codes <= FULL_SCALE - zero
+    }
 }
 
-impl Controller {
+impl BrushedDrives {
     /// One tick with the bridges off.
-    pub(super) fn measure_zeros(&mut self, sample: &SensorSample) {
+    pub(super) fn measure_zeros(&mut self, codes: [u16; 2]) {
         // Not a loop: the bound of the tick would have to state how often it runs.
-        if let Some([zero1, zero4]) = self.zeros.take(sample.current) {
+        if let Some([zero1, zero4]) = self.zeros.take(codes) {
             self.judge_zero(0, zero1);
             self.judge_zero(1, zero4);
         }
     }
 
     /// Uses a joint's zero code, if it is plausible.
-    fn judge_zero(&mut self, index: usize, zero: f32) {
-        let (Some(axis), Some(model), Some(plausible)) = (
-            self.settings.axes.get(index),
-            self.model.axes.get_mut(index),
-            self.zeros.plausible.get_mut(index),
+    fn judge_zero(&mut self, joint: usize, zero: f32) {
+        let zeros = &mut self.zeros;
+        let (Some(range), Some(model), Some(plausible)) = (
+            zeros.ranges.get(joint),
+            self.models.get_mut(joint),
+            zeros.plausible.get_mut(joint),
         ) else {
             return;
         };
-        *plausible = is_plausible(zero, axis, self.settings.protection.over_current);
+        *plausible = range.holds(zero);
         if *plausible {
-            model.current_offset = -model.current_per_code * zero;
+            model.set_zero(zero);
         }
     }
 }
@@ -102,7 +126,6 @@ impl Controller {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Settings;
 
     #[test]
     fn a_zero_leaves_room_for_the_over_current_and_one_code() {
@@ -112,7 +135,8 @@ mod tests {
             current_zero_code: 1537,
             ..axis
         };
-        assert!(is_plausible(1537.0, &axis, 6.0));
-        assert!(!is_plausible(1536.5, &axis, 6.0));
+        let range = ZeroRange::new(&axis, 6.0);
+        assert!(range.holds(1537.0));
+        assert!(!range.holds(1536.5));
     }
 }

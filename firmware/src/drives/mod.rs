@@ -1,0 +1,161 @@
+//! What turns the two driven joints, as a plug-in of the controller.
+//!
+//! [`Drives`] is the contract. The controller above it measures angles, follows paths and works out the torques;
+//! what is below it makes torques of them. The controller takes the drives as a type parameter, so only the code of
+//! the drives in use is in an image.
+//!
+//! | | needs | senses | lag |
+//! |---|---|---|---|
+//! | [`BrushedDrives`]: brushed motors on H-bridges | a torque | ADC codes of currents and bus voltage | of the current loop |
+//! | [`TorqueDrives`]: drives that close their own current loops | a torque | torques, and their age | of transmission |
+
+mod brushed;
+mod excitation;
+mod torque;
+
+use crate::safety::Fault;
+use crate::settings::{CheckedSettings, ControlSettings, Settings};
+pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
+pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
+pub use torque::{OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
+
+/// Ticks from one watch of a joint's drive to the next, see [`Drives::watch`].
+pub const WATCHED_EVERY: u32 = 16;
+
+/// How far an arm has come to rest: each stage has gains of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// It moves.
+    Moves,
+    /// It has stopped, and settles.
+    Settles,
+    /// It rests.
+    Rests,
+    /// It crosses a singularity.
+    Crosses,
+}
+
+/// What both joints' drives should do until the next tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Demand {
+    /// τ1, τ4 [N·m].
+    pub torque: [f32; 2],
+    /// The joints' measured velocities [rad/s].
+    pub velocity: [f32; 2],
+    /// The motion that the torque is for. Drives that need a torque ignore it.
+    pub motion: Motion,
+}
+
+/// The motion of both joints when the torque acts.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// cos θ and sin θ of the set-point of each joint.
+    pub direction: [[f32; 2]; 2],
+    /// ω1d, ω4d [rad/s].
+    pub velocity: [f32; 2],
+    /// α1d, α4d [rad/s²].
+    pub acceleration: [f32; 2],
+}
+
+/// What a tick knows of a joint, for the check of its drive.
+#[derive(Clone, Copy, Debug)]
+pub struct JointState {
+    /// The latched counts.
+    pub counts: i32,
+    /// ω̂ [rad/s].
+    pub velocity: f32,
+    /// The position error of the tick before [rad].
+    pub error: f32,
+}
+
+/// What a status and the snapshot of a fault tell of both drives. What a drive does not have is 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct DriveReport {
+    /// Measured motor currents [A].
+    pub current: [f32; 2],
+    /// Their set-points [A].
+    pub current_demand: [f32; 2],
+    /// Duties in −1…1.
+    pub duty: [f32; 2],
+    /// Bus voltage [V].
+    pub bus_voltage: f32,
+}
+
+/// The drives of both joints. Index 0 of a pair is joint 1 (at A), index 1 is joint 4 (at E).
+///
+/// One tick calls [`Drives::sense`] first. With power it then looks for faults, and calls [`Drives::drive`]; without
+/// power it calls [`Drives::rest`]. All work is bounded and allocates nothing.
+pub trait Drives: Clone {
+    /// What the drives sense in a tick, besides the counts of the encoders and the fault outputs, which every arm has.
+    type Sample: Copy + Default + PartialEq + core::fmt::Debug;
+    /// What the drives do until the next tick, besides their enable. Its default is the safe state: no torque.
+    type Command: Copy + Default + PartialEq + core::fmt::Debug;
+
+    /// How long the drives take from their enable until they drive [s].
+    const WAKE_UP_TIME: f32;
+
+    /// The drives of an arm of these settings, without power.
+    fn new(settings: &CheckedSettings) -> Self;
+
+    /// The time from the end of a tick until its torque acts on a motor in this stage [s]: the set-point and the
+    /// prediction of the joints lead by it.
+    fn lag(control: &ControlSettings, stage: Stage) -> f32;
+
+    /// Takes the motors' heat over from drives with other settings: new settings cool no motor.
+    fn keep_heat(&mut self, settings: &Settings, before: &Self, old: &Settings);
+
+    /// Gives a joint's drive the gains of this stage.
+    fn select(&mut self, joint: usize, stage: Stage);
+
+    /// Takes over a tick's sample.
+    fn sense(&mut self, sample: &Self::Sample);
+
+    /// The fault that the sample of a drive shows by itself.
+    fn drive_fault(&self) -> Option<Fault>;
+
+    /// The fault of the supply.
+    fn supply_fault(&self) -> Option<Fault>;
+
+    /// The fault that what is sensed, what was demanded and the joints' motion show together.
+    fn contradiction(&mut self, joints: [JointState; 2]) -> Option<Fault>;
+
+    /// Makes the demanded torques; true if a limit of the drives clips one.
+    fn drive(&mut self, demand: &Demand) -> bool;
+
+    /// What the drives do until the next tick.
+    fn command(&self) -> Self::Command;
+
+    /// Whether every output is a number.
+    fn is_finite(&self) -> bool;
+
+    /// One tick without power.
+    fn rest(&mut self, sample: &Self::Sample);
+
+    /// One tick in which the drives wake up.
+    fn wake(&mut self);
+
+    /// Whether what was sensed without power allows power.
+    fn is_ready(&self) -> bool;
+
+    /// Clears the loops: the drives give no torque.
+    fn release(&mut self);
+
+    /// Half of [`WATCHED_EVERY`] before [`Drives::watch`].
+    fn begin_watch(&mut self, joint: usize);
+
+    /// What needs no look in every tick, once in [`WATCHED_EVERY`]: heat, and a loop that oscillates.
+    fn watch(&mut self, joint: usize) -> Option<Fault>;
+
+    /// What the drives measure and do.
+    fn report(&self) -> DriveReport;
+
+    /// The joints' torques [N·m] at these motor currents [A].
+    fn torque(&self, current: [f32; 2]) -> [f32; 2];
+
+    /// Whether the drives can give this excitation to an arm of these settings.
+    fn admits(settings: &Settings, excitation: &Excitation) -> bool;
+
+    /// Sets the voltage [V] or the current [A] of one motor at this joint velocity [rad/s].
+    fn excite(&mut self, joint: usize, of: Excited, value: f32, velocity: f32);
+}
