@@ -28,5 +28,6 @@ mod motor_check;
 mod moving;
 mod stopping;
 mod tool;
+mod torque_drives;
 mod unlike_joints;
 mod waking;
