@@ -18,6 +18,6 @@ pub mod storage;
 
 pub use controller::{ArmController, Controller, Request, Status};
 pub use io::{ActuatorCommand, ArmCommand, ArmSample, SensorSample};
-pub use motion::{CrossingMove, FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
+pub use motion::{ARC_TOLERANCE, CrossingMove, FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
 pub use planner::Planner;
 pub use settings::Settings;

@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// The level of a tool that is down, or at full power.
 pub const FULL_TOOL: u16 = u16::MAX;
+/// Greatest error of an arc's centre, from the rounding in its file [m].
+pub const ARC_TOLERANCE: f32 = 1e-4;
 
 /// One move. It starts where the move before it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,12 +1,9 @@
 //! The geometry of a move.
 
-use fivebar_firmware::MoveKind;
+use fivebar_firmware::{ARC_TOLERANCE, MoveKind};
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::trajectory::{PathSegment, PathSegmentError, Sense};
 use nalgebra::Vector2;
-
-/// Greatest error of an arc's centre [m], as on the controller.
-const ARC_TOLERANCE: f64 = 1e-4;
 
 /// The line or arc of a move from `from` [m]; none if it is another kind of move.
 pub fn segment<S: Scalar>(
@@ -27,7 +24,7 @@ pub fn segment<S: Scalar>(
             } else {
                 Sense::CounterClockwise
             };
-            let tolerance = S::from_f64(ARC_TOLERANCE);
+            let tolerance = S::from_f64(ARC_TOLERANCE.into());
             let [from, to, center] = [from, to, center].map(point);
             Some(PathSegment::arc(from, to, center, sense, tolerance))
         }

@@ -194,7 +194,7 @@ fn dyad(
         angle,
         angle_offset: 0.0,
     };
-    let end = |point: PointId, joint: usize| and(chains.point(point), gaps[joint]);
+    let end = |point: PointId, k: usize| and(chains.point(point), gaps[k]);
     // A slider `offset` beside its guide and `slide` along it.
     let slid = |guide: &Guide<f64>, offset: f64, slide: LoopQuantity| {
         let Frame { direction, origin } = chains.guide(guide);

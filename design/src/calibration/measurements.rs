@@ -1,6 +1,7 @@
 //! What can be measured: touches of a plate with known holes, distances, unknown holes, photographs.
 
 use super::error::CalibrationError;
+use crate::fit::Loss;
 use fivebar_kinematics::five_bar::{Joint, Side};
 use nalgebra::Vector2;
 
@@ -13,6 +14,25 @@ pub struct Touch {
     pub hole: Vector2<f64>,
 }
 
+/// What a calibration makes least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Criterion {
+    /// The sum of squares of all residuals.
+    LeastSquares,
+    /// Huber's loss with the threshold 1.5 σ; measurements beyond 4 σ are left out at the end.
+    Huber,
+}
+
+impl Criterion {
+    /// The loss of residuals with this standard deviation.
+    pub(super) fn loss(self, sigma: f64) -> Loss {
+        match self {
+            Self::LeastSquares => Loss::Squares,
+            Self::Huber => Loss::Huber(1.5 * sigma),
+        }
+    }
+}
+
 /// What is known for a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plate {
@@ -22,9 +42,8 @@ pub struct Plate {
     pub assembly: Side,
     /// The standard deviation of a hole's x and of its y [m].
     pub sigma: f64,
-    /// Whether Huber's loss with the threshold 1.5 σ is used, each coordinate a residual of its
-    /// own; else the sum of squares.
-    pub huber: bool,
+    /// What is made least; each coordinate is a residual of its own.
+    pub criterion: Criterion,
 }
 
 /// Two poses of the tip whose distance is known: the balls of a ball-bar, or two drawn points
@@ -83,9 +102,8 @@ pub struct Measurements {
     pub assembly: Side,
     /// How well it was measured.
     pub deviations: Deviations,
-    /// Whether Huber's loss with the threshold 1.5 σ is used, each coordinate and each distance a
-    /// residual of its own; else the sum of squares.
-    pub huber: bool,
+    /// What is made least; each coordinate and each distance is a residual of its own.
+    pub criterion: Criterion,
 }
 
 impl Measurements {

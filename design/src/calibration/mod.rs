@@ -8,7 +8,7 @@
 //! their squares or of Huber's loss.
 //!
 //! ```
-//! use fivebar_design::calibration::{Parameters, Plate, Touch, calibrate};
+//! use fivebar_design::calibration::{Criterion, Parameters, Plate, Touch, calibrate};
 //! use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 //! use nalgebra::Vector2;
 //!
@@ -24,7 +24,7 @@
 //!         touches.push(Touch { encoder: [theta1 - offsets[0], theta4 - offsets[1]], hole });
 //!     }
 //! }
-//! let plate = Plate { touches, assembly: Side::Left, sigma: 20e-6, huber: true };
+//! let plate = Plate { touches, assembly: Side::Left, sigma: 20e-6, criterion: Criterion::Huber };
 //! let found = calibrate(&plate, drawn)?;
 //! assert!((found.parameters.offsets[0] - 0.01).abs() < 1e-9);
 //! assert!((found.parameters.lengths[2] - 0.1603).abs() < 1e-9);
@@ -46,7 +46,9 @@ mod tip;
 mod tip_error;
 
 pub use error::CalibrationError;
-pub use measurements::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint, Plate, Touch};
+pub use measurements::{
+    Bar, Criterion, Deviations, HoleTouch, Measurements, PhotoPoint, Plate, Touch,
+};
 pub use mixed::{KindResult, MixedCalibration, calibrate_mixed};
 pub use parameters::{PARAMETER_NAMES, Parameters};
 pub use plate::{Calibration, calibrate};

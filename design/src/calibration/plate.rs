@@ -2,12 +2,12 @@
 
 use super::error::CalibrationError;
 use super::legs::{LEAST_FOR_LEGS, joined, leg};
-use super::measurements::{Plate, Touch, different};
+use super::measurements::{Criterion, Plate, Touch, different};
 use super::observability::{check_seen, covariance, leave_out, rank_and_condition};
 use super::parameters::{Parameters, Vector10};
 use super::start::{placed, samples};
 use super::tip::{on_plate, posed, tip};
-use crate::fit::{Loss, Rows, median, minimise};
+use crate::fit::{Rows, median, minimise};
 use core::f64::consts::{FRAC_PI_2, PI};
 use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
@@ -87,10 +87,9 @@ pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, Calibr
         }
     }
     // A wrong hole moves the fit of least squares, and with it all residuals.
-    let bound = if plate.huber {
-        50.0 * plate.sigma
-    } else {
-        (50.0 * plate.sigma).max(0.02 * nominal.iter().sum::<f64>())
+    let bound = match plate.criterion {
+        Criterion::Huber => 50.0 * plate.sigma,
+        Criterion::LeastSquares => (50.0 * plate.sigma).max(0.02 * nominal.iter().sum::<f64>()),
     };
     let Some((parameters, _)) = found.filter(|_| typical <= bound) else {
         if let Some(p) = straight.or(found.map(|(p, _)| p)) {
@@ -144,7 +143,7 @@ fn legs_start(plate: &Plate) -> Option<(Parameters, Side)> {
         return None;
     }
     let samples = samples(touches);
-    let loss = loss_of(plate);
+    let loss = plate.criterion.loss(plate.sigma);
     let leg1 = leg(touches, &samples, Joint::Joint1, loss)?;
     let leg4 = leg(touches, &samples, Joint::Joint4, loss)?;
     let left = |touch: &&Touch| {
@@ -157,14 +156,6 @@ fn legs_start(plate: &Plate) -> Option<(Parameters, Side)> {
         Side::Right
     };
     Some((joined(&leg1, &leg4), side))
-}
-
-fn loss_of(plate: &Plate) -> Loss {
-    if plate.huber {
-        Loss::Huber(1.5 * plate.sigma)
-    } else {
-        Loss::Squares
-    }
 }
 
 /// Residuals and Jacobian of all touches. A touch without a pose counts as far away, and its
@@ -193,7 +184,11 @@ fn of(x: &DVector<f64>) -> Parameters {
 
 fn joint_fit(plate: &Plate, start: &Parameters, side: Side) -> Option<(Parameters, f64)> {
     let start = DVector::from_column_slice(start.vector().as_slice());
-    let found = minimise(&start, &|x| rows(plate, &of(x), side), loss_of(plate))?;
+    let found = minimise(
+        &start,
+        &|x| rows(plate, &of(x), side),
+        plate.criterion.loss(plate.sigma),
+    )?;
     Some((of(&found.0), found.1))
 }
 
@@ -225,7 +220,7 @@ fn judged(
     let rejected: Vec<usize> = (0..count)
         .filter(|&k| residuals[k].norm() > 4.0 * plate.sigma)
         .collect();
-    let is_used = |k: &usize| !plate.huber || !rejected.contains(k);
+    let is_used = |k: &usize| plate.criterion == Criterion::LeastSquares || !rejected.contains(k);
     let used: Vec<usize> = (0..count).filter(is_used).collect();
     let pick: Vec<usize> = used.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
     // Where most points are far beyond a stated σ that is too small, all of them count.

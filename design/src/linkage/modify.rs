@@ -39,7 +39,7 @@ impl<S: Scalar> Linkage<S> {
         indices.map(|(element, k)| self.elements[element].clearances[k])
     }
 
-    /// Moves a joint's pin away from the centre of its bearing. `joint` is an index in the
+    /// Moves a joint's pin away from the centre of its bearing. `joint_index` is one in the
     /// order of [`Linkage::joint_links`].
     ///
     /// # Errors
@@ -47,12 +47,12 @@ impl<S: Scalar> Linkage<S> {
     /// zero or a number that is not finite.
     pub fn set_clearance(
         &mut self,
-        joint: usize,
+        joint_index: usize,
         clearance: Clearance<S>,
     ) -> Result<(), LinkageError> {
         let (element, k) = self
             .joint_indices()
-            .nth(joint)
+            .nth(joint_index)
             .ok_or(LinkageError::NotAPin)?;
         let element = &mut self.elements[element];
         if !element.group.pins()[k] {

@@ -146,9 +146,10 @@ mod tests {
     use crate::safety::Fault;
     use crate::settings::Settings;
     use crate::{Controller, SensorSample};
+    use fivebar_kinematics::five_bar::Joint;
 
     /// The turns of so many ticks, with this current set-point [A] of one joint.
-    fn run(controller: &mut Controller, joint: usize, ticks: u32, demand: impl Fn(u32) -> f32) {
+    fn run(controller: &mut Controller, joint: Joint, ticks: u32, demand: impl Fn(u32) -> f32) {
         for tick in 0..ticks {
             controller.ticks = tick;
             *controller.drives.demand_mut(joint) = demand(tick);
@@ -158,24 +159,24 @@ mod tests {
 
     #[test]
     fn a_constant_current_is_no_oscillation_however_great() {
-        for joint in [0, 1] {
+        for joint in Joint::ALL {
             let mut controller = Controller::new(&Settings::BENCHTOP.check().unwrap());
             run(&mut controller, joint, 16_000, |_| 4.0);
-            assert_eq!(controller.pending_off, None, "joint {joint}");
+            assert_eq!(controller.pending_off, None, "{joint}");
         }
     }
 
     #[test]
     fn the_oscillation_of_either_joint_is_found_and_forgotten_with_the_power() {
-        for joint in [0, 1] {
+        for joint in Joint::ALL {
             let mut controller = Controller::new(&Settings::BENCHTOP.check().unwrap());
             let swings = |tick| if tick / 8 % 2 == 0 { 4.0 } else { -4.0 };
             run(&mut controller, joint, 16_000, swings);
             let found = controller.pending_off.take();
-            assert_eq!(found, Some(Fault::Oscillation), "joint {joint}");
+            assert_eq!(found, Some(Fault::Oscillation), "{joint}");
             controller.drives.release();
             run(&mut controller, joint, 160, |_| 0.0);
-            assert_eq!(controller.pending_off, None, "joint {joint}");
+            assert_eq!(controller.pending_off, None, "{joint}");
         }
     }
 }

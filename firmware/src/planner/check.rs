@@ -1,16 +1,13 @@
 //! The check of a whole move against the envelope, before the move is accepted.
 
 use super::{End, MoveError, MoveErrorKind, Planner};
-use crate::motion::{Move, MoveKind};
+use crate::motion::{ARC_TOLERANCE, Move, MoveKind};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Side, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
     MotionLimits, PathSegment, PathSegmentError, Sense, ToolOutput,
 };
 use nalgebra::Vector2;
-
-/// Greatest error of an arc's centre, from the rounding in its file [m].
-const ARC_TOLERANCE: f32 = 1e-4;
 
 /// A move that keeps the envelope along its whole length.
 #[derive(Clone)]

@@ -7,7 +7,7 @@ use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::{AxisSettings, Settings};
 use fivebar_firmware::{CrossingMove, FULL_TOOL, Status};
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Joint, Side};
 use nalgebra::Vector2;
 
 #[test]
@@ -355,22 +355,22 @@ fn a_plan_with_a_value_that_is_no_number_is_refused_as_one() {
 
 #[test]
 fn a_crossing_keeps_each_joints_limits_of_speed_acceleration_and_torque() {
-    let refused = |joint: usize, change: fn(&mut AxisSettings)| {
+    let refused = |joint: Joint, change: fn(&mut AxisSettings)| {
         let mut weak = settings();
         change(&mut weak.axes[joint]);
         Rig::armed(&weak).push(0, PLAN)
     };
     // The plan needs 2.7 and 7.1 rad/s.
-    assert_eq!(refused(0, |axis| axis.max_speed = 2.9), Ok(()));
-    let slow = refused(0, |axis| axis.max_speed = 2.5);
+    assert_eq!(refused(Joint::Joint1, |axis| axis.max_speed = 2.9), Ok(()));
+    let slow = refused(Joint::Joint1, |axis| axis.max_speed = 2.5);
     assert_eq!(slow, Err(MoveErrorKind::Overload(1)));
-    assert_eq!(refused(1, |axis| axis.max_speed = 7.3), Ok(()));
-    let slow = refused(1, |axis| axis.max_speed = 6.8);
+    assert_eq!(refused(Joint::Joint4, |axis| axis.max_speed = 7.3), Ok(()));
+    let slow = refused(Joint::Joint4, |axis| axis.max_speed = 6.8);
     assert_eq!(slow, Err(MoveErrorKind::Overload(4)));
-    let gentle = refused(1, |axis| axis.max_acceleration = 60.0);
+    let gentle = refused(Joint::Joint4, |axis| axis.max_acceleration = 60.0);
     assert_eq!(gentle, Err(MoveErrorKind::Overload(4)));
     // Friction is a part of the torques: it alone is too much for a weak motor.
-    let stiff = refused(1, |axis| axis.viscous_friction = 0.2);
+    let stiff = refused(Joint::Joint4, |axis| axis.viscous_friction = 0.2);
     assert_eq!(stiff, Err(MoveErrorKind::Overload(4)));
 }
 

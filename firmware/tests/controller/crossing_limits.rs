@@ -3,6 +3,7 @@
 use crate::crossing_rig::{PLAN, Rig, START, settings};
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_kinematics::five_bar::Joint;
 
 /// The planner has checked the plan; the monitor looks where the cranks are, in each tick.
 #[test]
@@ -87,7 +88,7 @@ fn cranks_farther_apart_than_the_couplers_reach_disagree_unless_the_plan_is_near
 }
 
 /// The cranks follow their reference up to the singularity; then one goes on, and the other keeps the couplers stretched.
-fn stretched_by(joint: usize) -> (Rig, u32) {
+fn stretched_by(joint: Joint) -> (Rig, u32) {
     let mut rig = Rig::crossing();
     for _ in 0..1650 {
         assert_eq!(rig.follow().state, State::Crossing);
@@ -113,10 +114,10 @@ fn stretched_by(joint: usize) -> (Rig, u32) {
 
 #[test]
 fn one_crank_alone_can_keep_an_arm_too_long_in_the_zone() {
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let (rig, ticks) = stretched_by(joint);
         let fault = rig.controller.fault().map(|fault| fault.fault);
-        assert_eq!(fault, Some(Fault::Envelope), "joint {joint} after {ticks}");
+        assert_eq!(fault, Some(Fault::Envelope), "{joint} after {ticks}");
     }
 }
 

@@ -5,10 +5,10 @@ use crate::rig::{OFF, Rig, START, settings, with};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::{Controller, Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_kinematics::five_bar::{Geometry, Side};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 
 /// A pair with `value` for this joint.
-fn only<T: Copy>(joint: usize, value: T, other: T) -> [T; 2] {
+fn only<T: Copy>(joint: Joint, value: T, other: T) -> [T; 2] {
     let mut pair = [other; 2];
     pair[joint] = value;
     pair
@@ -32,7 +32,7 @@ fn ticks_to(rig: &mut Rig, fault: Fault) -> u32 {
 
 #[test]
 fn a_bridge_that_reports_a_fault_switches_both_off_in_its_tick() {
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let mut rig = Rig::armed(&settings());
         rig.bench.overlay.driver_fault = only(joint, true, false);
         assert_eq!(ticks_to(&mut rig, Fault::DriverFault), 1);
@@ -44,7 +44,12 @@ fn a_bridge_that_reports_a_fault_switches_both_off_in_its_tick() {
 
 #[test]
 fn too_much_current_of_either_sign_switches_off_in_its_tick() {
-    for (joint, current) in [(0, 6.05), (0, -6.05), (1, 6.05), (1, -6.05)] {
+    for (joint, current) in [
+        (Joint::Joint1, 6.05),
+        (Joint::Joint1, -6.05),
+        (Joint::Joint4, 6.05),
+        (Joint::Joint4, -6.05),
+    ] {
         let mut rig = Rig::armed(&settings());
         rig.bench.current = only(joint, 5.95 * f64::signum(current), 0.0);
         assert_eq!(rig.tick().enable, [true; 2], "below the trip point");
@@ -56,7 +61,12 @@ fn too_much_current_of_either_sign_switches_off_in_its_tick() {
 
 #[test]
 fn an_encoder_that_jumps_switches_off_and_unhomes_in_its_tick_powered_or_not() {
-    for (joint, counts) in [(0, 200), (0, -200), (1, 200), (1, -200)] {
+    for (joint, counts) in [
+        (Joint::Joint1, 200),
+        (Joint::Joint1, -200),
+        (Joint::Joint4, 200),
+        (Joint::Joint4, -200),
+    ] {
         let mut rig = Rig::armed(&settings());
         rig.bench.extra_counts = only(joint, counts, 0);
         assert_eq!(ticks_to(&mut rig, Fault::EncoderJump), 1);
@@ -79,19 +89,29 @@ fn an_encoder_that_jumps_switches_off_and_unhomes_in_its_tick_powered_or_not() {
 /// The joint's own error reaches the limit before anything else: its cause is in the snapshot.
 #[test]
 fn a_joint_that_does_not_follow_switches_off_at_its_limit() {
-    for (joint, push) in [(0, 0.85), (0, -0.85), (1, 0.85), (1, -0.85)] {
+    for (joint, push) in [
+        (Joint::Joint1, 0.85),
+        (Joint::Joint1, -0.85),
+        (Joint::Joint4, 0.85),
+        (Joint::Joint4, -0.85),
+    ] {
         let mut rig = Rig::armed(&settings());
         rig.bench.push = only(joint, push, 0.0);
         ticks_to(&mut rig, Fault::FollowingError);
         let error = rig.controller.fault().unwrap().error;
         assert!(error[joint].abs() > 0.05 && error[joint].abs() < 0.06);
-        assert!(error[1 - joint].abs() < 0.05, "{error:?}");
+        assert!(error[joint.other()].abs() < 0.05, "{error:?}");
     }
 }
 
 #[test]
 fn a_joint_pushed_beyond_either_of_its_limits_leaves_the_envelope() {
-    for (joint, push) in [(0, 0.85), (0, -0.85), (1, 0.85), (1, -0.85)] {
+    for (joint, push) in [
+        (Joint::Joint1, 0.85),
+        (Joint::Joint1, -0.85),
+        (Joint::Joint4, 0.85),
+        (Joint::Joint4, -0.85),
+    ] {
         let start = START[joint];
         let mut rig = Rig::armed(&with(|s| {
             s.axes[joint].angle_limits = [start - 0.002, start + 0.002];
@@ -128,7 +148,7 @@ fn links_2_and_3_nearly_in_line_leave_the_envelope_at_half_of_the_margin() {
 /// 0.53 A against 0.3 A, from 0.3 of the heat: hot after 0.5 ln((0.28 − 0.03)/(0.28 − 0.09)) s = 0.14 s.
 #[test]
 fn a_motor_above_its_continuous_current_switches_off_when_the_model_says_so() {
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let mut rig = Rig::armed(&with(|s| {
             s.axes[joint].continuous_current = 0.3;
             s.axes[joint].thermal_time_constant = 0.5;
@@ -153,9 +173,14 @@ fn a_motor_at_its_continuous_current_goes_on() {
 
 #[test]
 fn a_joint_outside_either_of_its_limits_is_not_armed() {
-    for (joint, at) in [(0, 0.59), (0, 3.61), (1, -0.47), (1, 2.55)] {
+    for (joint, at) in [
+        (Joint::Joint1, 0.59),
+        (Joint::Joint1, 3.61),
+        (Joint::Joint4, -0.47),
+        (Joint::Joint4, 2.55),
+    ] {
         let mut rig = Rig::new(&settings());
-        let angles = only(joint, at, START[1 - joint]);
+        let angles = only(joint, at, START[joint.other()]);
         let set = rig.controller.request(Request::SetAngles(angles));
         assert_eq!(set, Err(RequestError::OutsideLimits), "{angles:?}");
         assert!(!rig.controller.status().homed);
@@ -195,7 +220,7 @@ fn a_counter_that_wraps_on_the_way_changes_nothing() {
 
 #[test]
 fn an_encoder_that_jumps_while_ticks_are_missed_loses_the_angles() {
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         let mut rig = Rig::armed(&settings());
         rig.bench.overlay.missed_ticks = 5;
         rig.bench.extra_counts = only(joint, 2000, 0);

@@ -10,6 +10,7 @@ use fivebar_firmware::Settings;
 use fivebar_firmware::controller::{Request, RequestError};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::{AxisField, Field, HomingMethod, SettingsError};
+use fivebar_kinematics::five_bar::Joint;
 use std::f64::consts::TAU;
 
 /// Counts per turn of a joint of the rig's arm.
@@ -114,7 +115,7 @@ fn a_joint_without_current_feels_no_stop() {
         if fault.is_some() || rig.controller.state() != State::Homing {
             break;
         }
-        rig.bench.push = [0, 1].map(|joint: usize| {
+        rig.bench.push = Joint::ALL.map(|joint| {
             let [towards, stop] = [[1.0, 2.8], [-1.0, 0.34]][joint];
             let depth = towards * (rig.bench.theta[joint] - stop);
             -towards

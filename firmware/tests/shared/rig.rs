@@ -14,7 +14,7 @@ use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{AxisSettings, ControlSettings, ProtectionSettings, Settings};
 use fivebar_firmware::{ActuatorCommand, FULL_TOOL, Move, MoveKind, SensorSample};
 use fivebar_kinematics::dynamics::{Arm, Link};
-use fivebar_kinematics::five_bar::{Geometry, Side};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 use nalgebra::Vector2;
 use rtic_core::Mutex;
 use std::f64::consts::TAU;
@@ -142,19 +142,19 @@ impl Bench {
     /// The samples of this instant.
     pub(crate) fn sense(&self) -> SensorSample {
         let axes = &self.settings.axes;
-        let counts = |joint: usize| {
+        let counts = |joint: Joint| {
             let shaft = self.theta[joint] * f64::from(axes[joint].gear_ratio);
             let measured =
                 (0..20).fold(shaft, |measured, _| shaft + (self.encoder_error)(measured));
             let counts = (measured / TAU * f64::from(axes[joint].encoder_counts)).round() as i32;
             counts.wrapping_add(self.extra_counts[joint])
         };
-        let code = |joint: usize| {
+        let code = |joint: Joint| {
             let shown = self.current_sensor[joint](self.current[joint]);
             let codes = shown / f64::from(axes[joint].current_per_code);
             (codes + f64::from(axes[joint].current_zero_code)).round() as u16
         };
-        let switch = |joint: usize| {
+        let switch = |joint: Joint| {
             let axis = &self.settings.axes[joint];
             let beyond = self.theta[joint] - f64::from(axis.home_angle);
             let behind = self.switch_behind[joint];
@@ -165,7 +165,7 @@ impl Bench {
             }
         };
         // One count in each turn of the encoder.
-        let index = |joint: usize| {
+        let index = |joint: Joint| {
             let axis = &axes[joint];
             let shaft = f64::from(axis.home_angle * axis.gear_ratio);
             let at_home = (shaft / TAU * f64::from(axis.encoder_counts)).round() as i32;
@@ -173,11 +173,12 @@ impl Bench {
             (counts - at_home) % axis.index_counts as i32 == 0 && !self.no_index
         };
         SensorSample {
-            home: self.stuck.unwrap_or([switch(0), switch(1)]),
-            index: [index(0), index(1)],
-            counts: [0, 1].map(|joint| self.stuck_counts[joint].unwrap_or_else(|| counts(joint))),
+            home: self.stuck.unwrap_or(Joint::ALL.map(switch)),
+            index: Joint::ALL.map(index),
+            counts: Joint::ALL
+                .map(|joint| self.stuck_counts[joint].unwrap_or_else(|| counts(joint))),
             drives: BrushedSample {
-                current: [code(0), code(1)],
+                current: Joint::ALL.map(code),
                 bus_voltage: (self.bus * 100.0).round() as u16,
             },
             ..self.overlay

@@ -29,106 +29,98 @@ impl Plant {
 
     /// Injects a fault now.
     pub fn inject(&mut self, fault: FaultKind) {
+        use FaultKind::*;
         match fault {
-            FaultKind::EncoderDead { joint } => {
-                self.faults.frozen_counts[joint] = Some(self.counts(joint));
-            }
-            FaultKind::EncoderJump { joint, counts } => {
+            EncoderDead { joint } => self.faults.frozen_counts[joint] = Some(self.counts(joint)),
+            EncoderJump { joint, counts } => {
                 self.count_origin[joint] = self.count_origin[joint].wrapping_add(counts);
             }
-            FaultKind::EncoderGain { joint, gain } => {
-                let from = self.counts(joint);
-                self.faults.sensors.encoders[joint] = Some(EncoderDefect::Gain(from, gain));
+            EncoderGain { joint, gain } => {
+                self.set_encoder(joint, EncoderDefect::Gain(self.counts(joint), gain));
             }
-            FaultKind::EncoderLate { joint, ticks } => {
-                let late = Late::new(self.counts(joint), ticks);
-                self.faults.sensors.encoders[joint] = Some(EncoderDefect::Late(late));
+            EncoderLate { joint, ticks } => {
+                self.set_encoder(
+                    joint,
+                    EncoderDefect::Late(Late::new(self.counts(joint), ticks)),
+                );
             }
-            FaultKind::EncoderChannelStuck { joint } => {
-                let from = self.counts(joint);
-                self.faults.sensors.encoders[joint] = Some(EncoderDefect::ChannelStuck(from));
+            EncoderChannelStuck { joint } => {
+                self.set_encoder(joint, EncoderDefect::ChannelStuck(self.counts(joint)));
             }
-            FaultKind::EncoderNoise { joint, counts } => {
-                self.faults.sensors.encoders[joint] = Some(EncoderDefect::Noise(counts));
-            }
-            FaultKind::IndexStuck { joint, high } => {
-                self.faults.sensors.indices[joint] = Some(high);
-            }
-            FaultKind::SwitchStuck { joint, pressed } => {
-                self.faults.stuck_switch[joint] = Some(pressed);
-            }
-            FaultKind::MotorDisconnected { joint } => self.faults.disconnected[joint] = true,
-            FaultKind::WindingShorted { joint } => self.model.motors[joint].short_half(),
-            FaultKind::MotorStalled { joint } => {
+            EncoderNoise { joint, counts } => self.set_encoder(joint, EncoderDefect::Noise(counts)),
+            IndexStuck { joint, high } => self.faults.sensors.indices[joint] = Some(high),
+            SwitchStuck { joint, pressed } => self.faults.stuck_switch[joint] = Some(pressed),
+            MotorDisconnected { joint } => self.faults.disconnected[joint] = true,
+            WindingShorted { joint } => self.model.motors[joint].short_half(),
+            MotorStalled { joint } => {
                 self.faults.stalled[joint] = true;
                 self.hold(joint, true);
             }
-            FaultKind::CurrentOffset { joint, amperes } => {
+            CurrentOffset { joint, amperes } => {
                 let sensor = &mut self.sensors[joint];
                 sensor.current_offset += amperes / sensor.current_per_code;
             }
-            FaultKind::CurrentDead { joint } => {
-                let code = self.current_code(joint, 0.0);
-                self.faults.sensors.currents[joint] = Some(CurrentDefect::Stuck(code));
+            CurrentDead { joint } => {
+                self.set_current(joint, CurrentDefect::Stuck(self.current_code(joint, 0.0)));
             }
-            FaultKind::CurrentGain { joint, gain } => {
+            CurrentGain { joint, gain } => {
                 let zero = self.sensors[joint].current_zero_code;
-                self.faults.sensors.currents[joint] = Some(CurrentDefect::Gain(zero, gain));
+                self.set_current(joint, CurrentDefect::Gain(zero, gain));
             }
-            FaultKind::CurrentStuck { joint, amperes } => {
-                let code = self.current_code(joint, amperes);
-                self.faults.sensors.currents[joint] = Some(CurrentDefect::Stuck(code));
+            CurrentStuck { joint, amperes } => {
+                self.set_current(
+                    joint,
+                    CurrentDefect::Stuck(self.current_code(joint, amperes)),
+                );
             }
-            FaultKind::CurrentLate { joint, ticks } => {
+            CurrentLate { joint, ticks } => {
                 let present = self.current_code(joint, self.state.current[joint]);
                 let late = Late::new(present, ticks);
-                self.faults.sensors.currents[joint] = Some(CurrentDefect::Late(late));
+                self.set_current(joint, CurrentDefect::Late(late));
             }
-            FaultKind::BusVoltage { volts } => self.bus_voltage = volts,
-            FaultKind::BusSensorStuck => {
+            BusVoltage { volts } => self.bus_voltage = volts,
+            BusSensorStuck => {
                 let code = adc_code(self.bus_voltage() / self.volts_per_code);
                 self.faults.sensors.bus = Some(BusDefect::Stuck(code));
             }
-            FaultKind::BusSensorGain { gain } => {
-                self.faults.sensors.bus = Some(BusDefect::Gain(gain));
+            BusSensorGain { gain } => self.faults.sensors.bus = Some(BusDefect::Gain(gain)),
+            BridgeOneDirection { joint } => self.set_bridge(joint, BridgeDefect::OneDirection),
+            BridgeShorted { joint } => self.set_bridge(joint, BridgeDefect::Shorted),
+            DutyStuck { joint } => {
+                let duty = self.active.drives.duty[joint].into();
+                self.set_bridge(joint, BridgeDefect::Stuck(duty));
             }
-            FaultKind::BridgeOneDirection { joint } => {
-                self.faults.bridges[joint] = Some(BridgeDefect::OneDirection);
-            }
-            FaultKind::BridgeShorted { joint } => {
-                self.faults.bridges[joint] = Some(BridgeDefect::Shorted);
-            }
-            FaultKind::DutyStuck { joint } => {
-                let duty = f64::from(self.active.drives.duty[joint]);
-                self.faults.bridges[joint] = Some(BridgeDefect::Stuck(duty));
-            }
-            FaultKind::DriverFaultStuck { joint } | FaultKind::DriverFaultOpen { joint } => {
+            DriverFaultStuck { joint } | DriverFaultOpen { joint } => {
                 self.faults.sensors.driver_fault[joint] = true;
             }
-            FaultKind::DriverFault { joint } => self.faults.driver_fault[joint] = true,
-            FaultKind::EmergencyStop => self.faults.emergency_stop = true,
-            FaultKind::EmergencyStopWelded => self.faults.stop_welded = true,
-            FaultKind::ContactorWelded => self.contactor.welded = true,
-            FaultKind::BrakeStuck { joint } => self.faults.brake_stuck[joint] = true,
-            FaultKind::BrakeLate { joint, seconds } => self.brakes[joint].engage_time += seconds,
-            FaultKind::BrakeFails { joint } => self.brakes[joint].fail(),
-            FaultKind::CouplingSlips { joint, share } => {
-                self.faults.slipping[joint] = Some(Slip {
-                    from: self.shaft(joint).0,
-                    share,
-                });
+            DriverFault { joint } => self.faults.driver_fault[joint] = true,
+            EmergencyStop => self.faults.emergency_stop = true,
+            EmergencyStopWelded => self.faults.stop_welded = true,
+            ContactorWelded => self.contactor.welded = true,
+            BrakeStuck { joint } => self.faults.brake_stuck[joint] = true,
+            BrakeLate { joint, seconds } => self.brakes[joint].engage_time += seconds,
+            BrakeFails { joint } => self.brakes[joint].fail(),
+            CouplingSlips { joint, share } => {
+                let from = self.shaft(joint).0;
+                self.faults.slipping[joint] = Some(Slip { from, share });
             }
-            FaultKind::BeltBreaks { joint } => {
-                if let Some(drives) = &mut self.drives {
-                    drives.break_belt(joint);
-                }
-            }
-            FaultKind::PayloadChanges { kilograms } => {
-                self.model.change_payload(&mut self.state, kilograms);
-            }
-            FaultKind::ToolCaught => self.faults.caught = Some(self.tool()),
-            FaultKind::TicksMissed { ticks } => self.late_by = ticks,
+            BeltBreaks { joint } => self.drives.iter_mut().for_each(|all| all.break_belt(joint)),
+            PayloadChanges { kilograms } => self.model.change_payload(&mut self.state, kilograms),
+            ToolCaught => self.faults.caught = Some(self.tool()),
+            TicksMissed { ticks } => self.late_by = ticks,
         }
+    }
+
+    fn set_encoder(&mut self, joint: Joint, defect: EncoderDefect) {
+        self.faults.sensors.encoders[joint] = Some(defect);
+    }
+
+    fn set_current(&mut self, joint: Joint, defect: CurrentDefect) {
+        self.faults.sensors.currents[joint] = Some(defect);
+    }
+
+    fn set_bridge(&mut self, joint: Joint, defect: BridgeDefect) {
+        self.faults.bridges[joint] = Some(defect);
     }
 
     /// The code of a current [A], without noise.

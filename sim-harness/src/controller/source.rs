@@ -83,8 +83,11 @@ pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, Str
             )
         }
         Board::Desktop | Board::Stm32f405 => {
-            let upload = matches!(source, ControllerSource::Port { upload: true, .. });
-            Drive::new(&mut client, &|| false).agree_on(&settings, upload)?;
+            let mut drive = Drive::new(&mut client, &|| false);
+            match source {
+                ControllerSource::Port { upload: true, .. } => drive.store_settings(&settings)?,
+                _ => drive.compare_settings(&settings)?,
+            }
             match source {
                 ControllerSource::Port { name, .. } => (name, None),
                 ControllerSource::Simulated | ControllerSource::Emulated(_) => ("simulated", None),

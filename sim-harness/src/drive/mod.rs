@@ -40,24 +40,28 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         Self { client, wants_stop }
     }
 
-    /// Makes sure that the controller uses `settings`: with `upload` it sends and stores
-    /// them, without it only compares them.
+    /// Makes sure that the controller uses these settings.
     ///
     /// # Errors
-    /// The sections that differ, or a refused upload.
-    pub fn agree_on(&mut self, settings: &Settings, upload: bool) -> Result<(), DriveError> {
+    /// The sections that differ.
+    pub fn compare_settings(&mut self, settings: &Settings) -> Result<(), DriveError> {
         let mut theirs = *settings;
         self.client.read_settings(&mut theirs)?;
         let differing: Vec<_> = SectionKey::ALL
             .into_iter()
             .filter(|key| key.of(settings) != key.of(&theirs))
             .collect();
-        if differing.is_empty() && !upload {
-            return Ok(());
+        match differing.is_empty() {
+            true => Ok(()),
+            false => Err(DriveError::OtherSettings(differing)),
         }
-        if !upload {
-            return Err(DriveError::OtherSettings(differing));
-        }
+    }
+
+    /// Sends settings to the controller, which uses and stores them.
+    ///
+    /// # Errors
+    /// A setting that is refused, or that the board refuses.
+    pub fn store_settings(&mut self, settings: &Settings) -> Result<(), DriveError> {
         self.client.write_settings(settings)?.map_err(|error| {
             match BoardLimits::STM32F405.check(settings) {
                 Err(bound) if error == CommandError::Settings => DriveError::Settings(bound),

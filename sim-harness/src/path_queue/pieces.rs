@@ -1,8 +1,9 @@
 //! Moves in pieces: what remains of a move behind a place on it, and long moves divided.
 
 use super::end;
+use fivebar_files::job::arc::{angle_between, sweep};
 use fivebar_firmware::{CrossingMove, Move, MoveKind, TimedMove};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// What remains of a move is dropped if it is shorter than this [m].
 pub(super) const NEGLIGIBLE: f64 = 1e-6;
@@ -34,10 +35,10 @@ pub fn remaining(place: [f32; 2], next: Move) -> Vec<Move> {
         } => {
             let (end, middle) = (to.map(f64::from), center.map(f64::from));
             let radius = distance(end, middle);
-            let sweep = sweep(from, end, middle, clockwise);
+            let left = angle_between(from, end, middle, clockwise);
             // Arcs are half circles at most: a longer way means that the place is behind the end,
             // or just before the start of a half circle.
-            if distance(from, end) < NEGLIGIBLE || sweep > 1.5 * PI {
+            if distance(from, end) < NEGLIGIBLE || left > 1.5 * PI {
                 return Vec::new();
             }
             let [dx, dy] = [from[0] - middle[0], from[1] - middle[1]];
@@ -103,7 +104,7 @@ fn divide(start: [f64; 2], next: &Move, all: &mut Vec<Move>) {
             feed,
         } => {
             let middle = center.map(f64::from);
-            let angle = turn(start, to.map(f64::from), middle, clockwise);
+            let (_, angle) = sweep(start, to.map(f64::from), middle, clockwise);
             let pieces = if angle > PI { pieces.max(2.0) } else { pieces };
             let [dx, dy] = [start[0] - middle[0], start[1] - middle[1]];
             for piece in 1..pieces as u32 {
@@ -146,7 +147,8 @@ pub fn duration(from: Option<[f32; 2]>, next: &Move) -> f64 {
             Some(from),
         ) => {
             let (to, middle) = (to.map(f64::from), center.map(f64::from));
-            distance(to, middle) * turn(from, to, middle, clockwise) / f64::from(feed)
+            let (radius, angle) = sweep(from, to, middle, clockwise);
+            radius * angle / f64::from(feed)
         }
         (
             MoveKind::Dwell { duration }
@@ -167,21 +169,6 @@ pub(super) fn slowed(timed: &TimedMove, share: f32) -> TimedMove {
         duration: timed.duration / share,
         ..*timed
     }
-}
-
-/// The angle of an arc, a whole turn if it ends where it starts [rad].
-fn turn(from: [f64; 2], to: [f64; 2], center: [f64; 2], clockwise: bool) -> f64 {
-    if distance(from, to) < 1e-7 {
-        return TAU;
-    }
-    sweep(from, to, center, clockwise)
-}
-
-/// The angle from one place about `center` to another in the arc's sense, in 0…2π [rad].
-fn sweep(from: [f64; 2], to: [f64; 2], center: [f64; 2], clockwise: bool) -> f64 {
-    let angle = |[x, y]: [f64; 2]| (y - center[1]).atan2(x - center[0]);
-    let turn = angle(to) - angle(from);
-    (if clockwise { -turn } else { turn }).rem_euclid(TAU)
 }
 
 pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

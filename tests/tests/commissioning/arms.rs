@@ -1,7 +1,7 @@
 //! Random arms over plates.
 
 use fivebar_design::Noise;
-use fivebar_design::calibration::{Parameters, Plate, Touch};
+use fivebar_design::calibration::{Criterion, Parameters, Plate, Touch};
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool, WorkingMode, Workspace};
 use nalgebra::{Rotation2, Vector2};
 use std::f64::consts::TAU;
@@ -66,7 +66,7 @@ pub(crate) fn made(noise: &mut Noise, holes: usize, sigma: f64) -> Made {
                 touches,
                 assembly,
                 sigma,
-                huber: true,
+                criterion: Criterion::Huber,
             };
             return Made {
                 truth,

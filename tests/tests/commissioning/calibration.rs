@@ -3,7 +3,7 @@
 use crate::arms::{Made, made};
 use fivebar_design::Noise;
 use fivebar_design::calibration::{
-    Calibration, Parameters, Plate, Touch, calibrate, propose, tip, tip_error,
+    Calibration, Criterion, Parameters, Plate, Touch, calibrate, propose, tip, tip_error,
 };
 use fivebar_files::robot::Robot;
 use fivebar_kinematics::five_bar::{Geometry, Pose, Side, Workspace};
@@ -38,12 +38,12 @@ fn touches(set: &Value) -> Vec<Touch> {
     counts.zip(holes).map(touch).collect()
 }
 
-fn plate(touches: Vec<Touch>, huber: bool) -> Plate {
+fn plate(touches: Vec<Touch>, criterion: Criterion) -> Plate {
     Plate {
         touches,
         assembly: Side::Left,
         sigma: SIGMA,
-        huber,
+        criterion,
     }
 }
 
@@ -79,7 +79,7 @@ fn assert_near(found: &Parameters, wanted: &[f64], metres: f64, radians: f64) {
 #[test]
 fn the_reference_plates_are_reproduced() {
     for set in reference()["sets"].as_array().unwrap() {
-        let found = calibrate(&plate(touches(set), false), DRAWN).unwrap();
+        let found = calibrate(&plate(touches(set), Criterion::LeastSquares), DRAWN).unwrap();
         assert_near(
             &found.parameters,
             &numbers(&set["least_squares"]),
@@ -96,7 +96,7 @@ fn the_reference_plates_are_reproduced() {
             let own = found.covariance[(index, index)].sqrt();
             assert!((own / sd - 1.0).abs() < 1e-2, "{index}: {own} for {sd}");
         }
-        let robust = calibrate(&plate(touches(set), true), DRAWN).unwrap();
+        let robust = calibrate(&plate(touches(set), Criterion::Huber), DRAWN).unwrap();
         assert_near(&robust.parameters, &numbers(&set["huber_1_5"]), 5e-6, 50e-6);
         assert_eq!(
             robust.rejected.len() as u64,
@@ -208,7 +208,10 @@ fn two_hundred_random_arms_are_found_from_their_drawing() {
             plate,
         } = made(&mut noise, 24, SIGMA);
         let plate = Plate {
-            huber: number % 2 == 0,
+            criterion: match number % 2 {
+                0 => Criterion::Huber,
+                _ => Criterion::LeastSquares,
+            },
             ..plate
         };
         let found = calibrate(&plate, drawn)
@@ -271,7 +274,7 @@ fn wrong_holes_are_named_and_do_little_harm() {
         }
         let plain = calibrate(
             &Plate {
-                huber: false,
+                criterion: Criterion::LeastSquares,
                 ..plate
             },
             drawn,

@@ -3,7 +3,7 @@
 use crate::calibration::DRAWN;
 use fivebar_design::Noise;
 use fivebar_design::calibration::{
-    Bar, Deviations, HoleTouch, Measurements, Parameters, PhotoPoint, Touch,
+    Bar, Criterion, Deviations, HoleTouch, Measurements, Parameters, PhotoPoint, Touch,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -146,6 +146,6 @@ pub(crate) fn nothing() -> Measurements {
         photos: Vec::new(),
         assembly: Side::Left,
         deviations: DEVIATIONS,
-        huber: true,
+        criterion: Criterion::Huber,
     }
 }

@@ -5,7 +5,7 @@ use crate::calibration::{DRAWN, benchtop};
 use crate::measured_arm::{Arm, arm, nothing};
 use fivebar_design::Noise;
 use fivebar_design::calibration::{
-    CalibrationError, HoleTouch, Measurements, MixedCalibration, Parameters, calibrate,
+    CalibrationError, Criterion, HoleTouch, Measurements, MixedCalibration, Parameters, calibrate,
     calibrate_mixed, tip_error_before, tip_error_best_placed,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, Tool};
@@ -283,9 +283,9 @@ fn a_table_that_contradicts_the_others_is_refused_by_name() {
     assert!(calibrate_mixed(&sound, DRAWN).is_ok());
     // From all half a metre away to all somewhat too long.
     for wrong in [0.5, 0.05, 2e-3, 0.6e-3, 0.2e-3] {
-        for huber in [true, false] {
+        for criterion in [Criterion::Huber, Criterion::LeastSquares] {
             let mut long = sound.clone();
-            long.huber = huber;
+            long.criterion = criterion;
             long.bars.iter_mut().for_each(|bar| bar.length += wrong);
             let refused = calibrate_mixed(&long, DRAWN).unwrap_err();
             assert!(
@@ -295,7 +295,7 @@ fn a_table_that_contradicts_the_others_is_refused_by_name() {
                         | CalibrationError::MixedNoFit(_)
                         | CalibrationError::OtherArm { .. }
                 ),
-                "{wrong} {huber}: {refused:?}"
+                "{wrong} {criterion:?}: {refused:?}"
             );
         }
     }

@@ -3,7 +3,7 @@
 use crate::arms::{Made, made};
 use crate::calibration::{DRAWN, SIGMA, benchtop};
 use fivebar_design::Noise;
-use fivebar_design::calibration::{CalibrationError, Plate, Touch, calibrate};
+use fivebar_design::calibration::{CalibrationError, Criterion, Plate, Touch, calibrate};
 use fivebar_kinematics::five_bar::Geometry;
 use nalgebra::Vector2;
 
@@ -96,7 +96,7 @@ fn degenerate_sets_of_points_are_refused() {
                 touches,
                 assembly: home.assembly(),
                 sigma: SIGMA,
-                huber: true,
+                criterion: Criterion::Huber,
             },
             DRAWN,
         )

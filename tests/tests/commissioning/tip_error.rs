@@ -2,7 +2,7 @@
 
 use crate::calibration::benchtop;
 use fivebar_design::Noise;
-use fivebar_design::calibration::{Parameters, Plate, Touch, calibrate, propose, tip};
+use fivebar_design::calibration::{Criterion, Parameters, Plate, Touch, calibrate, propose, tip};
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::{Rotation2, Vector2};
 use std::f64::consts::TAU;
@@ -56,7 +56,7 @@ fn trials(wrong: usize) -> Vec<f64> {
                 touches,
                 assembly: Side::Left,
                 sigma: SIGMA,
-                huber: true,
+                criterion: Criterion::Huber,
             };
             let found = calibrate(&plate, DRAWN).unwrap().parameters;
             let (mut squares, mut count) = (0.0, 0.0);

@@ -187,7 +187,7 @@ impl Arm {
     }
 
     /// Disturbs an encoder: if a disturbance of this length passes the filter, it counts.
-    pub fn disturb_encoder(&mut self, joint: usize, length: Time) {
+    pub fn disturb_encoder(&mut self, joint: Joint, length: Time) {
         self.glitch[joint] = length;
     }
 
@@ -197,7 +197,7 @@ impl Arm {
     }
 
     /// Lets a home switch read as pressed at the next sample only.
-    pub fn chatter(&mut self, joint: usize) {
+    pub fn chatter(&mut self, joint: Joint) {
         self.chatter[joint] = true;
     }
 
@@ -257,7 +257,7 @@ impl Arm {
         }
     }
 
-    fn is_waking(&self, now: Time, joint: usize) -> bool {
+    fn is_waking(&self, now: Time, joint: Joint) -> bool {
         self.awake_at[joint] != NEVER && self.awake_at[joint] > now
     }
 }
@@ -281,7 +281,7 @@ impl SharedArm {
 impl Wiring for SharedArm {
     fn drive(&mut self, now: Time, outputs: &Outputs) {
         let arm = &mut *self.get();
-        for joint in 0..2 {
+        for joint in Joint::ALL {
             // 100 kΩ keep a bridge asleep whose pin nothing drives.
             let wakes = outputs.sleep[joint] == Some(true);
             if !wakes {
@@ -309,7 +309,7 @@ impl Wiring for SharedArm {
         if pin == STOP {
             return Some(arm.stop_pressed || arm.sample.emergency_stop);
         }
-        for joint in 0..2 {
+        for joint in Joint::ALL {
             if pin == HOME[joint] {
                 return Some(arm.sample.home[joint] || std::mem::take(&mut arm.chatter[joint]));
             }
@@ -324,7 +324,7 @@ impl Wiring for SharedArm {
         (pin == SERIAL_IN).then_some(true)
     }
 
-    fn encoder(&mut self, _: Time, joint: usize, filter: Time) -> i32 {
+    fn encoder(&mut self, _: Time, joint: Joint, filter: Time) -> i32 {
         let arm = &mut *self.get();
         let disturbed = std::mem::take(&mut arm.glitch[joint]) > filter;
         arm.added[joint] += i32::from(disturbed);
@@ -354,7 +354,7 @@ impl Wiring for SharedArm {
             // The pull-down at the pin, or the lower resistor of the divider.
             return 0;
         }
-        for joint in 0..2 {
+        for joint in Joint::ALL {
             if window.channel == CURRENT[joint] {
                 let error = match arm.acting.enable[joint] {
                     true => ringing(&edges[joint], arm.bridge_delay),
@@ -374,9 +374,10 @@ impl Wiring for SharedArm {
     fn due(&self) -> Time {
         // The bridges wake by themselves.
         let arm = self.0.borrow();
-        let waking = (0..2)
-            .filter(|&j| arm.is_waking(arm.at, j))
-            .map(|j| arm.awake_at[j]);
+        let waking = Joint::ALL
+            .into_iter()
+            .filter(|&joint| arm.is_waking(arm.at, joint))
+            .map(|joint| arm.awake_at[joint]);
         waking.min().unwrap_or(NEVER)
     }
 

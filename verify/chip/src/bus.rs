@@ -2,6 +2,7 @@
 
 use crate::mcu::Mcu;
 use crate::violation::{Access, Violation};
+use fivebar_kinematics::five_bar::Joint;
 
 /// A unit with registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,8 +10,8 @@ pub(crate) enum Unit {
     Rcc,
     Flash,
     Tim1,
-    /// TIM5 (joint 0, the arm's joint 1) and TIM2 (joint 1, the arm's joint 4).
-    Encoder(usize),
+    /// TIM5 of joint 1, TIM2 of joint 4.
+    Encoder(Joint),
     Adc,
     Dma2,
     /// TIM3.
@@ -31,9 +32,19 @@ type Gate = Option<(usize, u32)>;
 
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
 const MAP: [(u32, u32, Unit, Gate); 15] = [
-    (0x4000_0000, 0x400, Unit::Encoder(1), Some((3, 0))),
+    (
+        0x4000_0000,
+        0x400,
+        Unit::Encoder(Joint::Joint4),
+        Some((3, 0)),
+    ),
     (0x4000_0400, 0x400, Unit::Tool, Some((3, 1))),
-    (0x4000_0c00, 0x400, Unit::Encoder(0), Some((3, 3))),
+    (
+        0x4000_0c00,
+        0x400,
+        Unit::Encoder(Joint::Joint1),
+        Some((3, 3)),
+    ),
     (0x4000_3000, 0x400, Unit::Iwdg, None),
     (0x4000_7000, 0x400, Unit::Pwr, Some((3, 28))),
     (0x4001_0000, 0x400, Unit::Tim1, Some((4, 0))),

@@ -9,6 +9,7 @@ use crate::peripherals::tim1::Output;
 use crate::time::Time;
 use crate::violation::refuse;
 use crate::wiring::Outputs;
+use fivebar_kinematics::five_bar::Joint;
 
 /// The address of USART1's data register, for the DMA.
 const USART1_DR: u32 = 0x4001_1004;
@@ -112,7 +113,7 @@ impl Mcu {
     }
 
     /// Counts what the encoders have done up to now.
-    pub(crate) fn follow_encoder(&mut self, joint: usize) {
+    pub(crate) fn follow_encoder(&mut self, joint: Joint) {
         // Joint 1 on TIM5 by PA0 and PA1, joint 4 on TIM2 by PA15 and PB3.
         let (pins, function) = [([(0, 0), (0, 1)], 2), ([(0, 15), (1, 3)], 1)][joint];
         let connected = pins

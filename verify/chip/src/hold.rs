@@ -1,7 +1,7 @@
 //! A hand that holds the arm, and moves it to another place.
 
 use crate::time::{SECOND, Time};
-use fivebar_kinematics::five_bar::{Geometry, Pose, Side};
+use fivebar_kinematics::five_bar::{Geometry, Joint, Pose, Side};
 
 /// Time in which a hand turns the arm to another place.
 pub const HAND_TIME: Time = SECOND / 5;
@@ -21,10 +21,11 @@ impl Hold {
     pub(crate) fn pose(&self, at: Time) -> Option<Pose<f64>> {
         let share = (at.saturating_sub(self.since) as f64 / HAND_TIME as f64).min(1.0);
         let smooth = share * share * (3.0 - 2.0 * share);
-        let angle = |joint: usize| self.from[joint] + smooth * self.by[joint];
+        let angle = |joint: Joint| self.from[joint] + smooth * self.by[joint];
         let Self {
             geometry, assembly, ..
         } = self;
-        geometry.forward(angle(0), angle(1), *assembly).ok()
+        let [theta1, theta4] = Joint::ALL.map(angle);
+        geometry.forward(theta1, theta4, *assembly).ok()
     }
 }

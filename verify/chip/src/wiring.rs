@@ -5,6 +5,7 @@ use crate::peripherals::gpio::Pin;
 use crate::peripherals::pwm_timer::Pulses;
 use crate::peripherals::tim1::Output;
 use crate::time::{NEVER, Time};
+use fivebar_kinematics::five_bar::Joint;
 
 /// What the chip drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,9 +41,8 @@ pub trait Wiring {
     /// The level of a pin; none if nothing outside drives it.
     fn level(&mut self, now: Time, pin: Pin) -> Option<bool>;
 
-    /// The counts of the encoder of joint 1 (0) or joint 4 (1); `filter` is how long a level
-    /// must last to count.
-    fn encoder(&mut self, now: Time, joint: usize, filter: Time) -> i32;
+    /// The counts of a joint's encoder; `filter` is how long a level must last to count.
+    fn encoder(&mut self, now: Time, joint: Joint, filter: Time) -> i32;
 
     /// The code of a sample. `edges` are those at the inputs of both bridges.
     fn sample(&mut self, window: &SampleWindow, edges: &[Edges; 2]) -> u16;
@@ -67,7 +67,7 @@ impl Wiring for Unwired {
         None
     }
 
-    fn encoder(&mut self, _: Time, _: usize, _: Time) -> i32 {
+    fn encoder(&mut self, _: Time, _: Joint, _: Time) -> i32 {
         0
     }
 

@@ -287,7 +287,7 @@ fn a_disturbance_of_an_encoders_lines_counts_nothing() {
     driven.run(10 * MILLISECOND);
     let before = driven.status().angle;
     for _ in 0..100 {
-        for joint in 0..2 {
+        for joint in Joint::ALL {
             driven.arm.get().disturb_encoder(joint, MICROSECOND / 2);
         }
         driven.run(TICK);
@@ -297,7 +297,7 @@ fn a_disturbance_of_an_encoders_lines_counts_nothing() {
     let after = driven.status().angle;
     assert!((after[0] - before[0]).abs() < 2e-3, "{before:?} {after:?}");
     // A level that lasts as long as at the greatest speed counts.
-    for joint in 0..2 {
+    for joint in Joint::ALL {
         let level = MICROSECOND * 2 / 3;
         driven.arm.get().disturb_encoder(joint, level);
     }
@@ -312,8 +312,9 @@ fn one_sample_of_a_home_switch_decides_nothing() {
     driven.request(Request::Home).expect("homing");
     for _ in 0..3000 {
         driven.run(MILLISECOND);
-        driven.arm.get().chatter(0);
-        driven.arm.get().chatter(1);
+        for joint in Joint::ALL {
+            driven.arm.get().chatter(joint);
+        }
         let status = driven.status();
         assert_eq!(status.fault, None);
         if status.homed {

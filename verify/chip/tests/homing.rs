@@ -159,7 +159,7 @@ fn absolute_encoders_are_refused_by_a_board_whose_counters_start_at_0() {
     let refused = driven.client.write_settings(&settings).expect("a line");
     assert_eq!(refused, Err(CommandError::Settings));
     let mut drive = Drive::new(&mut driven.client, &|| false);
-    let refused = drive.agree_on(&settings, true).expect_err("no such board");
+    let refused = drive.store_settings(&settings).expect_err("no such board");
     let words = "home_reference.method must not be absolute";
     assert!(refused.to_string().contains(words), "{refused}");
 }

@@ -19,7 +19,7 @@ fn the_image_runs_from_power_up_through_a_job_to_disarm() {
     let client = &mut driven.client;
     let mut drive = Drive::new(client, &|| false);
     drive
-        .agree_on(&settings(), true)
+        .store_settings(&settings())
         .expect("the settings are stored");
     drive.home(Homing::Switches).expect("homing succeeds");
     drive
@@ -40,9 +40,9 @@ fn settings_beyond_the_boards_bounds_are_refused_with_key_and_bound() {
     let mut fast = settings();
     fast.protection.over_speed = 72.0;
     let mut drive = Drive::new(&mut driven.client, &|| false);
-    let refused = drive.agree_on(&fast, true).expect_err("too fast");
+    let refused = drive.store_settings(&fast).expect_err("too fast");
     let words = "protection.over_speed must give at most 1500000 encoder counts/s";
     assert!(refused.to_string().contains(words), "{refused}");
     fast.protection.over_speed = 71.0;
-    drive.agree_on(&fast, true).expect("within the bounds");
+    drive.store_settings(&fast).expect("within the bounds");
 }

@@ -172,9 +172,9 @@ fn with_pin_offsets(
         if let Some(angle) = pin.angle {
             let radius = pin.radius;
             // This cannot fail: the file's joints are pins and its radii are valid.
-            let _ = linkage.set_clearance(pin.joint, Clearance { radius, angle });
+            let _ = linkage.set_clearance(pin.joint_index, Clearance { radius, angle });
         } else {
-            radii[pin.joint] = pin.radius;
+            radii[pin.joint_index] = pin.radius;
         }
     }
     let equilibrium = clearance_equilibrium(&linkage, inputs, &radii)?;

@@ -26,7 +26,7 @@ pub struct LinkageTolerance {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PinTolerance {
     /// The index of its joint among the linkage's joints.
-    pub joint: usize,
+    pub joint_index: usize,
     /// Its name, such as "crank on coupler".
     pub name: String,
     /// Bearing radius less pin radius [m].

@@ -10,11 +10,11 @@ mod problem;
 mod seen;
 
 use super::error::CalibrationError;
-use super::measurements::{Measurements, Plate};
+use super::measurements::{Criterion, Measurements, Plate};
 use super::parameters::Parameters;
 use super::plate::{calibrate, half_a_turn_off, other_length};
 use super::start::placed;
-use crate::fit::{Loss, median, minimise};
+use crate::fit::{median, minimise};
 use core::cmp::Ordering;
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use nalgebra::{DVector, SMatrix};
@@ -86,11 +86,8 @@ pub fn calibrate_mixed(
             placed(lengths, offsets, &measured.plate, side)
         }
     };
-    let loss = if measured.huber {
-        Loss::Huber(1.5)
-    } else {
-        Loss::Squares
-    };
+    // Residuals are in units of their deviations.
+    let loss = measured.criterion.loss(1.0);
     let fit = |arm: Option<Parameters>, side: Side| {
         let problem = Problem::new(measured, side);
         let (x, loss) = minimise(&problem.start(&arm?)?, &|x| problem.rows(x), loss)?;
@@ -106,7 +103,7 @@ pub fn calibrate_mixed(
         touches: measured.plate.clone(),
         assembly: here,
         sigma: measured.deviations.plate,
-        huber: measured.huber,
+        criterion: measured.criterion,
     };
     let by_plate = calibrate(&plate, nominal)
         .ok()
@@ -178,7 +175,8 @@ fn judged(
         let distance = |k| residuals.rows_range(rows(k)).norm();
         let distances: Vec<f64> = (0..count).map(distance).collect();
         let rejected: Vec<usize> = (0..count).filter(|&k| distances[k] > 4.0).collect();
-        let kept = (0..count).filter(|k| !measured.huber || !rejected.contains(k));
+        let kept = (0..count)
+            .filter(|k| measured.criterion == Criterion::LeastSquares || !rejected.contains(k));
         let kept: Vec<usize> = kept.flat_map(rows).collect();
         let squares: f64 = kept.iter().map(|&row| residuals[row].powi(2)).sum();
         kinds.push(KindResult {

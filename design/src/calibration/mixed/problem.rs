@@ -230,7 +230,9 @@ impl Builder {
 mod tests {
     use super::Problem;
     use crate::Noise;
-    use crate::calibration::measurements::{Bar, Deviations, HoleTouch, Measurements, PhotoPoint};
+    use crate::calibration::measurements::{
+        Bar, Criterion, Deviations, HoleTouch, Measurements, PhotoPoint,
+    };
     use crate::calibration::{Parameters, Touch};
     use fivebar_kinematics::five_bar::Side;
     use nalgebra::Vector2;
@@ -279,7 +281,7 @@ mod tests {
                 hole: 3e-3,
                 photo: 4e-3,
             },
-            huber: false,
+            criterion: Criterion::LeastSquares,
         };
         let arm = Parameters {
             lengths: [0.10, 0.16, 0.17, 0.11, 0.08],

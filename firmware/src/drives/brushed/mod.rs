@@ -253,7 +253,7 @@ impl BrushedDrives {
     }
 
     /// The current set-point of a motor [A].
-    pub(crate) fn demand_mut(&mut self, joint: usize) -> &mut f32 {
+    pub(crate) fn demand_mut(&mut self, joint: fivebar_kinematics::five_bar::Joint) -> &mut f32 {
         &mut self.motors[joint].demand
     }
 }

@@ -7,6 +7,8 @@ use std::f64::consts::TAU;
 /// length [m]: files have two or three decimals of a millimetre.
 const RADIUS_SHARE: f64 = 1e-3;
 const RADIUS_LENGTH: f64 = 2e-5;
+/// Points that are nearer to each other are one [m]: the controller's f32 rounds by less.
+const SAME_POINT: f64 = 1e-7;
 
 /// The centre of the arc from `start` to `end` [m], from I and J.
 ///
@@ -85,19 +87,18 @@ pub(super) fn is_negligible(
 }
 
 /// The radius of an arc [m] and the angle that it sweeps, 0…2π [rad]. It is a full turn if the end
-/// is the start.
-pub(crate) fn sweep(
-    start: [f64; 2],
-    end: [f64; 2],
-    center: [f64; 2],
-    clockwise: bool,
-) -> (f64, f64) {
-    let angle = |point: [f64; 2]| (point[1] - center[1]).atan2(point[0] - center[0]);
+/// is at the start.
+pub fn sweep(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise: bool) -> (f64, f64) {
     let radius = (start[0] - center[0]).hypot(start[1] - center[1]);
-    if start == end {
+    if (end[0] - start[0]).hypot(end[1] - start[1]) < SAME_POINT {
         return (radius, TAU);
     }
-    let turned = angle(end) - angle(start);
-    let swept = if clockwise { -turned } else { turned };
-    (radius, swept.rem_euclid(TAU))
+    (radius, angle_between(start, end, center, clockwise))
+}
+
+/// The angle from one point about `center` to another in the arc's sense, in 0…2π [rad].
+pub fn angle_between(from: [f64; 2], to: [f64; 2], center: [f64; 2], clockwise: bool) -> f64 {
+    let angle = |[x, y]: [f64; 2]| (y - center[1]).atan2(x - center[0]);
+    let turned = angle(to) - angle(from);
+    (if clockwise { -turned } else { turned }).rem_euclid(TAU)
 }

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 pub(super) fn linkage(source: Source<'_>) -> Result<DrivenLinkage, FileError> {
     let file: LinkageFile = source.parse()?;
     sizes(&source, &file)?;
-    let linkage = Linkage::new(vec2(file.gravity))
+    let linkage = Linkage::new(Vector2::from(file.gravity))
         .map_err(|error| source.refuse(Key::Top("gravity"), error))?;
     let mut builder = Builder {
         source,
@@ -63,7 +63,7 @@ impl<'a> Builder<'a> {
         for (index, load) in file.load.iter().enumerate() {
             let point = self.find(Key::Of("load", index, "point"), &load.point)?;
             self.linkage
-                .set_load(point, load.mass, vec2(load.force))
+                .set_load(point, load.mass, Vector2::from(load.force))
                 .map_err(|error| self.source.refuse(Key::Of("load", index, "mass"), error))?;
         }
         for (index, element) in file.element.iter().enumerate() {
@@ -117,16 +117,38 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
+    /// Adds an element and its links.
     fn element(&mut self, index: usize, element: &'a ElementFile) -> Result<(), FileError> {
         let key = |name| Key::Of("element", index, name);
-        let group = match element {
-            ElementFile::Crank { pivot, drive, .. } => {
-                self.drive(key("drive"), drive.law())?;
+        match element {
+            ElementFile::Crank { drive, .. } => self.drive(key("drive"), drive.law())?,
+            ElementFile::Slider { drive, .. } => self.drive(key("drive"), drive.law())?,
+            _ => {}
+        }
+        let group = self.group(index, element)?;
+        let joint = element.joint().unwrap_or_default();
+        let added = self.linkage.add_group(joint, group).map_err(|error| {
+            self.source
+                .refuse(key("kind"), format!("is refused: {error}"))
+        })?;
+        if let Some(id) = added.inner_pin() {
+            self.claim_point(key("joint"), joint, id)?;
+        }
+        for (id, link) in added.links().zip(element.links()) {
+            self.link(index, id, link)?;
+        }
+        Ok(())
+    }
+
+    /// The group of links that an element describes.
+    fn group(&self, index: usize, element: &ElementFile) -> Result<Group<f64>, FileError> {
+        let key = |name| Key::Of("element", index, name);
+        Ok(match element {
+            ElementFile::Crank { pivot, .. } => {
                 let pivot = self.find(key("pivot"), pivot)?;
                 Group::Crank { pivot }
             }
-            ElementFile::Slider { guide, drive, .. } => {
-                self.drive(key("drive"), drive.law())?;
+            ElementFile::Slider { guide, .. } => {
                 let guide = self.guide(key("guide"), guide)?;
                 Group::Slider { guide }
             }
@@ -188,24 +210,12 @@ impl<'a> Builder<'a> {
                 ..
             } => Group::Rpp {
                 dyad: Rpp {
-                    direction: vec2(*direction),
+                    direction: Vector2::from(*direction),
                 },
                 end: self.find(key("end"), end)?,
                 guide: self.guide(key("guide"), guide)?,
             },
-        };
-        let joint = element.joint().unwrap_or_default();
-        let added = self.linkage.add_group(joint, group).map_err(|error| {
-            self.source
-                .refuse(key("kind"), format!("is refused: {error}"))
-        })?;
-        if let Some(id) = added.inner_pin() {
-            self.claim_point(key("joint"), joint, id)?;
-        }
-        for (id, link) in added.links().zip(element.links()) {
-            self.link(index, id, link)?;
-        }
-        Ok(())
+        })
     }
 
     /// Names a link, sets its mass and inertia, and adds the points that are fixed in it.
@@ -218,7 +228,7 @@ impl<'a> Builder<'a> {
         }
         let inertia = Link {
             mass: link.mass,
-            com: vec2(link.com),
+            com: Vector2::from(link.com),
             inertia: link.inertia,
         };
         self.linkage
@@ -249,7 +259,7 @@ impl<'a> Builder<'a> {
     ) -> Result<(), FileError> {
         let id = self
             .linkage
-            .add_point(name, link, vec2(at))
+            .add_point(name, link, Vector2::from(at))
             .map_err(|error| self.source.refuse(key, format!("`{name}`: {error}")))?;
         self.claim_point(key, name, id)
     }
@@ -292,7 +302,7 @@ impl<'a> Builder<'a> {
     fn guide(&self, key: Key, guide: &GuideFile) -> Result<Guide<f64>, FileError> {
         Ok(Guide {
             through: self.find(key, &guide.through)?,
-            direction: vec2(guide.direction),
+            direction: Vector2::from(guide.direction),
         })
     }
 
@@ -319,10 +329,6 @@ impl<'a> Builder<'a> {
         };
         Err(self.source.refuse(key, reason))
     }
-}
-
-fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
-    Vector2::new(x, y)
 }
 
 /// At most twelve names, sorted, for a message.

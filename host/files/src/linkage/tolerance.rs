@@ -134,10 +134,10 @@ impl ToleranceFile {
             let values = driven.iter().map(|name| given.of(name).unwrap_or(0.0));
             values.collect()
         };
-        let pin = |&(joint, name): &(usize, &str)| {
+        let pin = |&(joint_index, name): &(usize, &str)| {
             let radius = self.clearance_radius.of(name).unwrap_or(0.0);
             (radius > 0.0).then(|| PinTolerance {
-                joint,
+                joint_index,
                 name: name.into(),
                 radius,
                 radius_sd: self.clearance_radius_sd.of(name).unwrap_or(0.0),

@@ -15,6 +15,7 @@ use fivebar_firmware::settings::LONGEST_STOP;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{self, Geometry, GeometryError, Side, WorkingMode};
+use fivebar_plant::contact::Contact;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -22,24 +23,11 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let file: RobotFile = source.parse()?;
     // Every value is checked before the first refusal ends the reading.
     let mut refusals = Refusals::default();
-    if file.name.trim().is_empty() {
-        refusals.add(source.refuse(Key::Top("name"), "must not be empty"));
-    } else if file.name.contains(char::is_control) {
-        // XML and tables cannot hold control characters.
-        let reason = "must be one line of plain characters";
-        refusals.add(source.refuse(Key::Top("name"), reason));
-    }
+    refusals.check(name(&source, &file.name));
     let gravity = refusals.noted(finite(&source, Key::Top("gravity"), file.gravity));
     let payload = file.payload.unwrap_or(0.0);
-    let payload = refusals.noted(not_negative(&source, Key::Top("payload"), payload));
-    let links: Result<[LinkFile; 4], _> =
-        refusals.noted(file.link.try_into().map_err(|links: Vec<_>| {
-            let reason = format!(
-                "must be given four times, not {}: links 1 to 4",
-                links.len()
-            );
-            source.refuse(Key::Top("link"), reason)
-        }));
+    refusals.check(not_negative(&source, Key::Top("payload"), payload));
+    let links = refusals.noted(four_links(&source, file.link));
     let of_links = links.as_ref().map_err(FileError::clone).map(|links| {
         let geometry = refusals.noted(geometry(&source, links, file.base));
         (geometry, inertias(&source, links, &mut refusals))
@@ -49,10 +37,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let [elbow1, elbow4] = sides.map(|side| refusals.noted(side));
     let tool_output = refusals.noted(tool_output::read(&source, &file.tool_output));
     let tolerance = refusals.noted(tolerance::read(&source, &file.tolerance));
-    if let Some(invalid) = file.contact.first_invalid() {
-        let reason = format!("{}, not {:?}", invalid.must, invalid.value);
-        refusals.add(source.refuse(Key::In("contact", invalid.key), reason));
-    }
+    refusals.check(contact(&source, &file.contact));
     if let Some(angles) = file.home {
         refusals.check(finite(&source, Key::Top("home"), angles));
     }
@@ -69,35 +54,26 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     sections.check(&source, &mut refusals);
     refusals.done()?;
 
-    let (gravity, payload, actuators) = (gravity?, payload?, actuators?);
+    let (gravity, actuators) = (gravity?, actuators?);
     let (geometry, inertias) = of_links?;
     let (geometry, elbows) = (geometry?, WorkingMode::new(elbow1?, elbow4?));
-    let rotors = actuators.map_or([0.0; 2], |actuators| {
-        actuators.map(|a| a.rotor_inertia * a.gear_ratio * a.gear_ratio)
-    });
-    let arm = match inertias? {
-        None => None,
-        Some(_) if file.payload.is_none() => {
-            let reason = "is missing: links with masses need it; write 0.0 for no payload";
-            return Err(source.refuse(Key::Top("payload"), reason));
-        }
-        Some(inertias) => {
-            let arm = Arm::new(geometry, inertias, payload, gravity, rotors);
-            Some(arm.map_err(|error| source.refuse(Key::Top("link"), error))?)
-        }
+    let rotor = |a: Actuator| a.rotor_inertia * a.gear_ratio * a.gear_ratio;
+    let rotors = actuators.map_or([0.0; 2], |actuators| actuators.map(rotor));
+    let arm = |inertias| {
+        let payload = file.payload.ok_or_else(|| missing_payload(&source))?;
+        let arm = Arm::new(geometry, inertias, payload, gravity, rotors);
+        arm.map_err(|error| source.refuse(Key::Top("link"), error))
     };
+    let arm = inertias?.map(arm).transpose()?;
     let [along, left] = file.tool.offset;
     let tool = five_bar::Tool::new(geometry, Vector2::new(along, left))
         .map_err(|_| source.refuse(Key::In("tool", "offset"), "must not put the tool on B"))?;
-    let home = match file.home {
-        None => {
-            let pose = best_conditioned(&tool, elbows, &file.limits, |_| true);
-            pose.map_or([0.0; 2], |pose| {
-                [pose.u1.polar_angle(), pose.u4.polar_angle()]
-            })
-        }
-        Some(angles) => angles,
-    };
+    let home = file.home.unwrap_or_else(|| {
+        let pose = best_conditioned(&tool, elbows, &file.limits, |_| true);
+        pose.map_or([0.0; 2], |pose| {
+            [pose.u1.polar_angle(), pose.u4.polar_angle()]
+        })
+    });
     let mut robot = Robot {
         name: file.name,
         geometry,
@@ -119,15 +95,53 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         crossing: file.crossing,
         advanced: file.advanced,
     };
-    let mut refusals = Refusals::default();
-    refusals.check(homing::check(&source, &robot));
-    if file.home.is_some() {
-        refusals.check(home_fits(&source, &robot));
-    }
     robot.control = file.control.completed(&robot);
-    consistency::check(&source, &robot, &mut refusals);
-    refusals.done()?;
+    consistent(&source, &robot, file.home.is_some())?;
     Ok(robot)
+}
+
+/// Whether the values agree with one another.
+fn consistent(source: &Source<'_>, robot: &Robot, is_home_given: bool) -> Result<(), FileError> {
+    let mut refusals = Refusals::default();
+    refusals.check(homing::check(source, robot));
+    if is_home_given {
+        refusals.check(home_fits(source, robot));
+    }
+    consistency::check(source, robot, &mut refusals);
+    refusals.done()
+}
+
+fn contact(source: &Source<'_>, contact: &Contact) -> Result<(), FileError> {
+    let Some(invalid) = contact.first_invalid() else {
+        return Ok(());
+    };
+    let reason = format!("{}, not {:?}", invalid.must, invalid.value);
+    Err(source.refuse(Key::In("contact", invalid.key), reason))
+}
+
+fn name(source: &Source<'_>, name: &str) -> Result<(), FileError> {
+    let reason = if name.trim().is_empty() {
+        "must not be empty"
+    } else if name.contains(char::is_control) {
+        // XML and tables cannot hold control characters.
+        "must be one line of plain characters"
+    } else {
+        return Ok(());
+    };
+    Err(source.refuse(Key::Top("name"), reason))
+}
+
+fn four_links(source: &Source<'_>, links: Vec<LinkFile>) -> Result<[LinkFile; 4], FileError> {
+    links.try_into().map_err(|links: Vec<_>| {
+        let count = links.len();
+        let reason = format!("must be given four times, not {count}: links 1 to 4");
+        source.refuse(Key::Top("link"), reason)
+    })
+}
+
+fn missing_payload(source: &Source<'_>) -> FileError {
+    let reason = "is missing: links with masses need it; write 0.0 for no payload";
+    source.refuse(Key::Top("payload"), reason)
 }
 
 fn side(source: &Source<'_>, name: &str) -> Result<Side, FileError> {

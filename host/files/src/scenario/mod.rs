@@ -18,7 +18,7 @@ pub use control_law::ControlLaw;
 pub use crossing::crossing_move;
 pub use mode_change::{ModeChangeError, RefusedModeChange, change_of_mode};
 pub use placement::RefusedMove;
-pub use placement::{FitError, place_in_job};
+pub use placement::{FitError, Kept, place_in_job};
 
 /// Everything that defines a run.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::length::positive_length;
 use super::rewrite::rewrite;
 use super::say::{leave_output_to, print, say, warn};
 use clap::ArgGroup;
-use fivebar_design::calibration::Deviations;
+use fivebar_design::calibration::{Criterion, Deviations};
 use fivebar_files::measurements::read_columns;
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_report::output::write_whole;
@@ -93,6 +93,15 @@ pub(super) struct Args {
 
 const POINTS: [&str; 4] = ["counts1", "counts4", "x", "y"];
 
+impl Args {
+    fn criterion(&self) -> Criterion {
+        match self.plain {
+            true => Criterion::LeastSquares,
+            false => Criterion::Huber,
+        }
+    }
+}
+
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
     let several = args.bars.is_some() || args.holes.is_some() || !args.photo.is_empty();
@@ -106,7 +115,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 fn from_plate(args: &Args, robot: &Robot, points: &Path) -> Result<(), Failure> {
     let rows = read_columns(points, POINTS).map_err(refused)?;
     let in_file = |error| refused(format_args!("{}: {error}", points.display()));
-    let study = calibrate_robot(robot, &rows, args.sigma, !args.plain).map_err(in_file)?;
+    let study = calibrate_robot(robot, &rows, args.sigma, args.criterion()).map_err(in_file)?;
     for warning in warnings(robot, &study) {
         warn(format_args!("{}: {warning}", points.display()));
     }
@@ -154,7 +163,8 @@ fn from_several(args: &Args, robot: &Robot) -> Result<(), Failure> {
         hole: args.hole_sigma,
         photo: args.photo_sigma,
     };
-    let study = calibrate_robot_mixed(robot, &rows, deviations, !args.plain).map_err(refused)?;
+    let study =
+        calibrate_robot_mixed(robot, &rows, deviations, args.criterion()).map_err(refused)?;
     for warning in mixed_warnings(&study) {
         warn(warning);
     }

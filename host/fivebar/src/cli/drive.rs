@@ -6,7 +6,7 @@ use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
-use fivebar_files::scenario::RefusedModeChange;
+use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::Move;
 use fivebar_firmware::protocol::Board;
 use fivebar_sim::drive::{Drive, DriveError, Homing};
@@ -68,14 +68,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let steps = job.steps.partition_point(|step| step.line <= line);
         steps.checked_sub(1).map_or(0.0, |last| lengths[last])
     };
-    let all = lengths.last().copied().unwrap_or_default();
-    let bar = ProgressBar::new(millimetres(all)).with_style(
-        ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}  {msg}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
-    let homing = args.at.map_or(Homing::Switches, |angles| {
-        Homing::At(angles.map(|angle| angle as f32))
-    });
+    let bar = progress(&lengths);
+    let at = args.at.map(|angles| angles.map(|angle| angle as f32));
+    let homing = at.map_or(Homing::Switches, Homing::At);
     let tick_rate = f64::from(settings.control.tick_rate);
     let mut start = None;
     let mut trace = Trace::default();
@@ -85,7 +80,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         if args.clear {
             drive.clear_fault()?;
         }
-        drive.agree_on(&settings, args.upload)?;
+        match args.upload {
+            true => drive.store_settings(&settings)?,
+            false => drive.compare_settings(&settings)?,
+        }
         if let Some(refusal) = refused_from_home
             && !drive.is_homed()?
         {
@@ -117,25 +115,27 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         [] => Ok(()),
         _ => args.log.write(&scenario.robot, &trace),
     };
-    match outcome {
-        Ok(()) => {
-            say(format_args!(
-                "{}: {} moves done, bridges off",
-                scenario.job_file,
-                moves.len()
-            ))?;
-            logged
-        }
-        Err(DriveError::Move(error)) => {
-            let text = scenario.named(error.tag, &error.to_string());
-            Err(refused(text + way_out(has_crossed)))
-        }
-        Err(DriveError::ModeChange(RefusedModeChange { line, error })) => {
-            let text = scenario.named(line, &error.to_string());
-            Err(refused(text + way_out(has_crossed)))
-        }
-        Err(error) => Err(refused(error)),
-    }
+    outcome.map_err(|error| refusal(&scenario, error, has_crossed))?;
+    let (file, count) = (&scenario.job_file, moves.len());
+    say(format_args!("{file}: {count} moves done, bridges off"))?;
+    logged
+}
+
+/// A bar as long as the job; `lengths` are those up to each step [m].
+fn progress(lengths: &[f64]) -> ProgressBar {
+    let length = millimetres(lengths.last().copied().unwrap_or_default());
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} mm  {elapsed}  {msg}");
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Why the job is not done, with the line of the job if there is one.
+fn refusal(scenario: &Scenario, error: DriveError, has_crossed: bool) -> Failure {
+    let (line, reason) = match error {
+        DriveError::Move(error) => (error.tag, error.to_string()),
+        DriveError::ModeChange(RefusedModeChange { line, error }) => (line, error.to_string()),
+        error => return refused(error),
+    };
+    refused(scenario.named(line, &reason) + way_out(has_crossed))
 }
 
 /// What to do about a job that is refused where the arm is.

@@ -8,7 +8,7 @@ use super::say::warn;
 use super::value_error::ValueError;
 use fivebar_files::job::{Dialect, JobOptions};
 use fivebar_files::robot::{BuiltIn, Robot};
-use fivebar_files::scenario::Scenario;
+use fivebar_files::scenario::{Kept, Scenario};
 use fivebar_sim::simulation::Simulate;
 use std::path::Path;
 
@@ -146,8 +146,11 @@ impl JobArgs {
             None => {}
         }
         if self.fit {
-            let (scale, turn) = (self.scale.is_some(), self.rotate.is_some());
-            scenario.fit_to_reach(scale, turn).map_err(refused)?;
+            let kept = Kept {
+                scale: self.scale.is_some(),
+                turn: self.rotate.is_some(),
+            };
+            scenario.fit_to_reach(kept).map_err(refused)?;
             warn(format_args!(
                 "{} is drawn with --scale {} --rotate {}",
                 scenario.job_file,

@@ -226,7 +226,7 @@ impl Bench {
         if let Some(fault) = self.client.status()?.0.fault {
             return Err(StepError::Fault(fault));
         }
-        Drive::new(&mut self.client, &|| false).agree_on(&self.settings, true)?;
+        Drive::new(&mut self.client, &|| false).store_settings(&self.settings)?;
         Ok(())
     }
 

@@ -127,7 +127,10 @@ impl Preview {
     /// of reach, or belongs to the other assembly mode: no path reaches that mode without a
     /// singularity of type 2.
     pub(super) fn joints(&self, point: [f32; 2], branch: Branch) -> Option<[f32; 2]> {
-        let pose = self.tool.inverse(vec2(point), branch.mode()).ok()?;
+        let pose = self
+            .tool
+            .inverse(Vector2::from(point), branch.mode())
+            .ok()?;
         let [theta1, _, _, theta4] = pose.angles();
         (pose.assembly() == branch.assembly).then_some([theta1, theta4])
     }
@@ -227,10 +230,6 @@ fn draw(strokes: &mut Strokes, from: [f32; 2], kind: &MoveKind) -> [f32; 2] {
 pub(super) fn nearest(angle: f32, to: f32) -> f32 {
     use std::f32::consts::TAU;
     angle + TAU * ((to - angle) / TAU).round()
-}
-
-fn vec2([x, y]: [f32; 2]) -> Vector2<f32> {
-    Vector2::new(x, y)
 }
 
 #[cfg(test)]

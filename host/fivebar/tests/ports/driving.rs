@@ -36,7 +36,7 @@ fn a_job_is_executed_completely_and_the_bridges_are_off_afterwards() {
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
     drive
-        .agree_on(&arm::settings(), false)
+        .compare_settings(&arm::settings())
         .expect("equal settings");
     drive.home(Homing::Switches).expect("homing succeeds");
     let mut most = 0;
@@ -136,14 +136,14 @@ fn different_settings_are_refused_until_they_are_uploaded() {
     other.axes[1].gear_ratio += 1.0;
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    match drive.agree_on(&other, false) {
+    match drive.compare_settings(&other) {
         Err(DriveError::OtherSettings(differing)) => {
             assert_eq!(differing, [SectionKey::Payload, SectionKey::Axis(1)]);
         }
         outcome => panic!("{outcome:?}"),
     }
-    drive.agree_on(&other, true).expect("the upload succeeds");
-    drive.agree_on(&other, false).expect("equal settings");
+    drive.store_settings(&other).expect("the upload succeeds");
+    drive.compare_settings(&other).expect("equal settings");
     assert_eq!(client.line().saved(), Some(&other));
 }
 

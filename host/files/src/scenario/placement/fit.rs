@@ -26,6 +26,15 @@ pub enum FitError {
     NoPlace(String),
 }
 
+/// What a fit keeps as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kept {
+    /// The scale.
+    pub scale: bool,
+    /// The turn.
+    pub turn: bool,
+}
+
 /// A scale with a turn [rad].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fit {
@@ -34,17 +43,17 @@ pub(super) struct Fit {
 }
 
 impl Scenario {
-    /// Sets the greatest scale at which the arm can draw the job, and the turn for it. With
-    /// `keeps_scale` only a turn is searched, with `keeps_turn` only a scale.
+    /// Sets the greatest scale at which the arm can draw the job, and the turn for it, but for what
+    /// is kept.
     ///
     /// # Errors
     /// A job that is not valid, or one that fits nowhere.
-    pub fn fit_to_reach(&mut self, keeps_scale: bool, keeps_turn: bool) -> Result<(), FitError> {
+    pub fn fit_to_reach(&mut self, kept: Kept) -> Result<(), FitError> {
         // What is not valid has its own message.
         let job = self.placed([0.0; 2])?;
         self.origin = None;
         self.anywhere = true;
-        let found = self.greatest_fit(&job, keeps_scale, keeps_turn);
+        let found = self.greatest_fit(&job, kept);
         let none = || FitError::NoPlace(self.robot.name.clone());
         let Fit { scale, turn } = found.ok_or_else(none)?;
         (self.scale, self.turn) = (scale, turn);
@@ -52,23 +61,18 @@ impl Scenario {
     }
 
     /// The greatest scale and its turn, `anywhere` or not; `job` is placed at 0 with the present scale and turn.
-    pub(super) fn greatest_fit(
-        &self,
-        job: &Job,
-        keeps_scale: bool,
-        keeps_turn: bool,
-    ) -> Option<Fit> {
+    pub(super) fn greatest_fit(&self, job: &Job, kept: Kept) -> Option<Fit> {
         let reach = Reach::of(&self.robot)?;
         let mut planner = self.planner()?;
         let outline = Outline::of(job);
-        let turns = match keeps_turn {
+        let turns = match kept.turn {
             true => 1,
             false => 360 / TURN_STEP,
         };
         let mut best: Option<Fit> = None;
         for index in 0..turns {
             let added = f64::from(TURN_STEP * index).to_radians();
-            if keeps_scale {
+            if kept.scale {
                 let fit = Fit {
                     scale: self.scale,
                     turn: self.turn + added,

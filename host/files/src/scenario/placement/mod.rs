@@ -23,7 +23,7 @@ use nalgebra::Vector2;
 use outline::Outline;
 use std::f64::consts::TAU;
 
-pub use fit::FitError;
+pub use fit::{FitError, Kept};
 pub use refusal::place_in_job;
 
 /// Cells along the longer side of the reach.

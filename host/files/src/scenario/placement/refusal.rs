@@ -1,6 +1,6 @@
 //! Why a job finds no place, and what would help.
 
-use super::fit::Fit;
+use super::fit::{Fit, Kept};
 use super::outline::{Outline, first_too_large};
 use super::{Reach, Scenario};
 use crate::job::Job;
@@ -85,18 +85,19 @@ impl Scenario {
             Some(_) => " without --origin",
         };
         let is_as_it_is = |fit: Option<Fit>| fit.is_some_and(|fit| fit.scale >= self.scale);
-        let straight = self.greatest_fit(&unplaced, false, true);
+        let keep = |scale, turn| Kept { scale, turn };
+        let straight = self.greatest_fit(&unplaced, keep(false, true));
         if self.origin.is_some() && is_as_it_is(straight) {
             return "it fits without --origin".into();
         }
-        let turned = self.greatest_fit(&unplaced, false, false);
+        let turned = self.greatest_fit(&unplaced, keep(false, false));
         let scale = |fit: Fit| fit.scale.min(self.scale);
         let anywhere = Self {
             anywhere: true,
             origin: None,
             ..self.clone()
         };
-        let kept = anywhere.greatest_fit(&unplaced, true, false);
+        let kept = anywhere.greatest_fit(&unplaced, keep(true, false));
         let mut ways = Vec::new();
         if let Some(fit) = straight {
             ways.push(format!("--scale {}", scale(fit)));

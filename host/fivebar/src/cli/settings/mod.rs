@@ -89,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             let mut before = new;
             client.read_settings(&mut before).map_err(refused)?;
             Drive::new(&mut client, &|| false)
-                .agree_on(&new, true)
+                .store_settings(&new)
                 .map_err(refused)?;
             let what = if before == new {
                 "no value changed"

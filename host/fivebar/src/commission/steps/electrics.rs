@@ -55,6 +55,9 @@ impl Motion {
     }
 }
 
+/// Rows for each unknown of a fit [1]: with fewer, noise alone could look like a motor.
+const LEAST_ROWS: usize = 5;
+
 const SIGNALS: [Signals; 2] = [
     Signals::COUNTS_1
         .union(Signals::CURRENT_1)
@@ -164,7 +167,7 @@ fn winding(bench: &mut Bench, joint: Joint) -> Result<[[f64; 2]; 2], StepError> 
             rights.push(motion.current[k + 2]);
         }
     }
-    let fit = least_squares(&columns, &rights)
+    let fit = least_squares(&columns, &rights, LEAST_ROWS)
         .ok_or_else(|| StepError::other("the sequence of voltages determines no resistance"))?;
     let ([a, b], [a_sd, b_sd]) = (
         [fit.values[0], fit.values[1]],
@@ -258,7 +261,7 @@ fn torque_constant(
             }
         }
     }
-    let fit = least_squares(&rows, &rights).ok_or_else(|| {
+    let fit = least_squares(&rows, &rights, LEAST_ROWS).ok_or_else(|| {
         StepError::wrong(
             format_args!("{joint} hardly turned at constant voltages"),
             "check that it can turn by 0.5 rad away from its switch",

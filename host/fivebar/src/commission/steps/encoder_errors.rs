@@ -4,9 +4,10 @@
 //! less that sum over n. Its derivatives are those of the joint's offset times −sin hφ/n and
 //! −cos hφ/n.
 
+use super::fit::least_squares;
 use fivebar_design::calibration::{Parameters, Touch, tip};
 use fivebar_kinematics::five_bar::{Joint, Side};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
 /// Harmonics of each shaft.
 const HARMONICS: usize = 2;
@@ -66,9 +67,7 @@ pub(super) fn fit(
         residual: f64::INFINITY,
     };
     for _ in 0..ROUNDS {
-        let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-        let mut right = SVector::<f64, UNKNOWNS>::zeros();
-        let mut squares = 0.0;
+        let (mut equations, mut residuals) = (Vec::new(), Vec::new());
         for touch in touches {
             let p = &found.parameters;
             let theta = Joint::ALL.map(|joint| touch.encoder[joint] + p.offsets[joint]);
@@ -88,13 +87,12 @@ pub(super) fn fit(
                     rows.set_column(place + 1, &(by_offset * (-cos / ratios[joint])));
                 }
             }
-            let residual = touch.hole - tip.position;
-            squares += residual.norm_squared();
-            normal += rows.transpose() * rows;
-            right += rows.transpose() * residual;
+            equations.extend(rows.row_iter().map(|row| row.iter().copied().collect()));
+            residuals.extend((touch.hole - tip.position).iter());
         }
-        let step = normal.cholesky()?.solve(&right);
-        found.residual = (squares / (2 * touches.len()) as f64).sqrt();
+        let step = least_squares(&equations, &residuals, 1)?.values;
+        let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
+        found.residual = (squares / residuals.len() as f64).sqrt();
         let p = &mut found.parameters;
         for (index, length) in p.lengths.iter_mut().enumerate() {
             *length += step[index];

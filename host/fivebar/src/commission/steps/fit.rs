@@ -8,10 +8,11 @@ pub(super) struct Fit {
     pub(super) deviations: Vec<f64>,
 }
 
-/// Solves rows · x = rights; none if the rows do not determine x.
-pub(super) fn least_squares(rows: &[Vec<f64>], rights: &[f64]) -> Option<Fit> {
+/// Solves rows · x = rights; none if the rows do not determine x, or if there are fewer than
+/// `per_unknown` for each unknown.
+pub(super) fn least_squares(rows: &[Vec<f64>], rights: &[f64], per_unknown: usize) -> Option<Fit> {
     let width = rows.first()?.len();
-    if rows.len() <= 4 * width {
+    if rows.len() < per_unknown * width {
         return None;
     }
     let matrix = DMatrix::from_fn(rows.len(), width, |row, column| rows[row][column]);
@@ -39,10 +40,11 @@ mod tests {
     fn finds_a_line_and_refuses_what_is_undetermined() {
         let rows: Vec<Vec<f64>> = (0..20).map(|x| vec![f64::from(x), 1.0]).collect();
         let rights: Vec<f64> = (0..20).map(|x| 3.0 * f64::from(x) - 2.0).collect();
-        let fit = least_squares(&rows, &rights).unwrap();
+        let fit = least_squares(&rows, &rights, 5).unwrap();
         assert!((fit.values[0] - 3.0).abs() < 1e-9 && (fit.values[1] + 2.0).abs() < 1e-9);
         assert!(fit.deviations[0] < 1e-9);
         let same: Vec<Vec<f64>> = (0..20).map(|_| vec![0.0, 1.0]).collect();
-        assert!(least_squares(&same, &rights).is_none());
+        assert!(least_squares(&rows, &rights, 11).is_none());
+        assert!(least_squares(&same, &rights, 5).is_none());
     }
 }

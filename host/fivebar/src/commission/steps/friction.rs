@@ -7,6 +7,7 @@
 use super::super::bench::Bench;
 use super::super::finding::StepError;
 use super::super::record::Value;
+use super::fit::least_squares;
 use super::moving::{JointLog, follow, joint_angles, logged, tool};
 use super::{Outcome, measured};
 use fivebar_files::robot::MeasuredKey;
@@ -190,23 +191,21 @@ struct Line {
 impl Line {
     /// The line of least squares through points (ω, τ); none for fewer than four.
     fn through(points: &[[f64; 2]]) -> Option<Self> {
-        if points.len() < 4 {
-            return None;
-        }
-        let count = points.len() as f64;
-        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(of).sum::<f64>() / count;
-        let (omega, torque) = (mean(&|p| p[0]), mean(&|p| p[1]));
-        let spread = mean(&|p| (p[0] - omega).powi(2));
-        if spread <= 0.0 {
-            return None;
-        }
-        let slope = mean(&|p| (p[0] - omega) * (p[1] - torque)) / spread;
-        let start = torque - slope * omega;
-        let squares = mean(&|p| (p[1] - start - slope * p[0]).powi(2));
-        let variance = squares / (count - 2.0);
+        // About the mean speed, where slope and height are independent.
+        let mean = points.iter().map(|[omega, _]| omega).sum::<f64>() / points.len() as f64;
+        let rows: Vec<_> = points
+            .iter()
+            .map(|[omega, _]| vec![omega - mean, 1.0])
+            .collect();
+        let torques: Vec<_> = points.iter().map(|&[_, torque]| torque).collect();
+        let fit = least_squares(&rows, &torques, 2)?;
+        let (slope, slope_sd) = (fit.values[0], fit.deviations[0]);
         Some(Self {
-            coulomb: [start, (variance * (1.0 + omega * omega / spread)).sqrt()],
-            viscous: [slope, (variance / spread).sqrt()],
+            coulomb: [
+                fit.values[1] - slope * mean,
+                fit.deviations[1].hypot(slope_sd * mean),
+            ],
+            viscous: [slope, slope_sd],
         })
     }
 }

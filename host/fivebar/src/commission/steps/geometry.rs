@@ -7,7 +7,7 @@ use super::super::record::Value;
 use super::encoder_errors::{WithErrors, fit};
 use super::{Outcome, measured as measured_value};
 use fivebar_design::Noise;
-use fivebar_design::calibration::Touch;
+use fivebar_design::calibration::{Criterion, Touch};
 use fivebar_files::measurements::read_columns;
 use fivebar_files::robot::{MeasuredKey, Robot};
 use fivebar_kinematics::five_bar::Joint;
@@ -31,12 +31,13 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
         }
         None => touched(bench)?,
     };
-    let mut study = calibrate_robot(&bench.robot, &rows, SIGMA, true).map_err(|error| {
-        StepError::wrong(
-            format_args!("the holes do not determine the arm: {error}"),
-            "check the plate's table, counts and gear ratios, and touch the holes again",
-        )
-    })?;
+    let mut study =
+        calibrate_robot(&bench.robot, &rows, SIGMA, Criterion::Huber).map_err(|error| {
+            StepError::wrong(
+                format_args!("the holes do not determine the arm: {error}"),
+                "check the plate's table, counts and gear ratios, and touch the holes again",
+            )
+        })?;
     let errors = encoder_errors(bench, &rows)?;
     if let Some(errors) = &errors {
         study.calibration.parameters = errors.parameters;
@@ -127,7 +128,8 @@ const SIGNIFICANT: f64 = 40.0;
 /// Errors of the encoders, where they explain significantly more than without them.
 fn encoder_errors(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>, StepError> {
     // Of all holes: errors of the encoders are no outliers.
-    let plain = calibrate_robot(&bench.robot, rows, SIGMA, false).map_err(StepError::other)?;
+    let plain = calibrate_robot(&bench.robot, rows, SIGMA, Criterion::LeastSquares)
+        .map_err(StepError::other)?;
     let residual = plain.calibration.residual_rms;
     let drives = [bench.drive(Joint::Joint1)?, bench.drive(Joint::Joint4)?];
     let known = drives.iter().any(|drive| !drive.encoder_error.is_zero());

@@ -28,6 +28,18 @@ pub fn at_page(robot: &str, analysis: &AccuracyAnalysis, sampled: &MonteCarlo) -
         "Tool at ({:.4}, {:.4}) m. {LIMITS} {} samples from seed {}.",
         c.x, c.y, sampled.sampling.samples, sampled.sampling.seed
     ));
+    let rows = figures(analysis, sampled);
+    page.table(&["figure", "analytic", "sampled"], &rows);
+    page.heading("Contributions");
+    page.figure(
+        &pareto(&position_shares(analysis)),
+        "Share of each dimension in the variance of the tool's position.",
+    );
+    page
+}
+
+/// The figures by analysis beside those by sampling, as rows of a table.
+fn figures(analysis: &AccuracyAnalysis, sampled: &MonteCarlo) -> Vec<Vec<String>> {
     let deviations = analysis.position.deviations();
     let position = &sampled.position;
     let error = position.relative_error();
@@ -105,13 +117,7 @@ pub fn at_page(robot: &str, analysis: &AccuracyAnalysis, sampled: &MonteCarlo) -
             ));
         }
     }
-    page.table(&["figure", "analytic", "sampled"], &rows);
-    page.heading("Contributions");
-    page.figure(
-        &pareto(&position_shares(analysis)),
-        "Share of each dimension in the variance of the tool's position.",
-    );
-    page
+    rows
 }
 
 /// The page of a path.
@@ -171,7 +177,7 @@ pub fn path_page(robot: &str, along: &PathAccuracy) -> Page {
                 .iter()
                 .take(200)
                 .map(|loss| {
-                    let joint = JOINTS[loss.joint].to_uppercase();
+                    let joint = JOINTS[loss.joint_index].to_uppercase();
                     vec![joint, quantity(loss.distance, "m"), loss.line.to_string()]
                 })
                 .collect();

@@ -138,7 +138,7 @@ pub fn path_answer(robot: &str, along: &PathAccuracy) -> Value {
         .iter()
         .map(|loss| {
             json!({
-                "joint": JOINTS[loss.joint],
+                "joint": JOINTS[loss.joint_index],
                 "distance_m": loss.distance,
                 "line": loss.line,
             })

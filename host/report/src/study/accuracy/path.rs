@@ -32,7 +32,7 @@ pub struct PathPoint {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLoss {
     /// The joint, 0 to 4 for A to E.
-    pub joint: usize,
+    pub joint_index: usize,
     /// Distance along the path [m].
     pub distance: f64,
     /// The line of the job.
@@ -102,8 +102,8 @@ pub fn path_accuracy(
             let distance = done + s;
             if let Some(before) = points.last() {
                 let turned = turned_about(&before.analysis, &analysis);
-                contact_losses.extend(turned.map(|joint| ContactLoss {
-                    joint,
+                contact_losses.extend(turned.map(|joint_index| ContactLoss {
+                    joint_index,
                     distance,
                     line,
                 }));

@@ -2,8 +2,8 @@
 
 use super::{StudyError, bare_workspace, counts_per_turn, encoder_angle};
 use fivebar_design::calibration::{
-    Bar, Deviations, HoleTouch, Measurements, MixedCalibration, PhotoPoint, TipError, Touch,
-    calibrate_mixed, tip_error, tip_error_before, tip_error_best_placed,
+    Bar, Criterion, Deviations, HoleTouch, Measurements, MixedCalibration, PhotoPoint, TipError,
+    Touch, calibrate_mixed, tip_error, tip_error_before, tip_error_best_placed,
 };
 use fivebar_files::robot::Robot;
 use nalgebra::Vector2;
@@ -42,7 +42,7 @@ pub fn calibrate_robot_mixed(
     robot: &Robot,
     rows: &Rows,
     deviations: Deviations,
-    huber: bool,
+    criterion: Criterion,
 ) -> Result<MixedStudy, StudyError> {
     let per_turn = counts_per_turn(robot)?;
     let encoder = |counts1, counts4| {
@@ -80,7 +80,7 @@ pub fn calibrate_robot_mixed(
         photos: rows.photos.iter().map(photo).collect(),
         assembly: home.assembly(),
         deviations,
-        huber,
+        criterion,
     };
     let calibration = calibrate_mixed(&measured, robot.geometry.lengths())?;
     let p = &calibration.parameters;

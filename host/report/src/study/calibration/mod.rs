@@ -7,8 +7,8 @@ pub use answer::{answer, proposal_answer, warnings};
 pub use mixed::{MixedStudy, Rows, calibrate_robot_mixed, mixed_answer, mixed_warnings};
 
 use fivebar_design::calibration::{
-    Calibration, CalibrationError, Parameters, Plate, Proposal, TipError, Touch, calibrate,
-    propose, tip_error, tip_error_before,
+    Calibration, CalibrationError, Criterion, Parameters, Plate, Proposal, TipError, Touch,
+    calibrate, propose, tip_error, tip_error_before,
 };
 use fivebar_files::robot::{HomeError, Measured, MeasuredKey, Robot, WorkspaceError};
 use fivebar_kinematics::five_bar::{Geometry, GeometryError, Tool, Workspace};
@@ -66,7 +66,7 @@ pub fn calibrate_robot(
     robot: &Robot,
     rows: &[[f64; 4]],
     sigma: f64,
-    huber: bool,
+    criterion: Criterion,
 ) -> Result<CalibrationStudy, StudyError> {
     let per_turn = counts_per_turn(robot)?;
     let touch = |&[counts1, counts4, x, y]: &[f64; 4]| Touch {
@@ -81,7 +81,7 @@ pub fn calibrate_robot(
         touches: rows.iter().map(touch).collect(),
         assembly: home.assembly(),
         sigma,
-        huber,
+        criterion,
     };
     let calibration = calibrate(&plate, robot.geometry.lengths())?;
     let workspace = bare_workspace(robot, calibration.parameters.lengths)?;

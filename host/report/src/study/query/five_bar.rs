@@ -179,7 +179,7 @@ impl InverseQuery {
         let mode = WorkingMode::new(self.elbow1, self.elbow4);
         let pose = robot
             .geometry
-            .inverse(vec2(self.c), mode)
+            .inverse(Vector2::from(self.c), mode)
             .map_err(|error| refusal(error, &format!("with C at ({x:?}, {y:?}) m")))?;
         let [theta1, theta2, theta3, theta4] = pose.angles();
         Ok(InverseAnswer {
@@ -244,7 +244,7 @@ impl InverseDynamicsQuery {
             velocities,
             accelerations,
         } = self.motion.solve(robot)?;
-        let force = vec2(self.external_force);
+        let force = Vector2::from(self.external_force);
         let refuse = |error| self.motion.driven.refuse(error);
         let torque = arm
             .inverse_dynamics(&pose, &velocities, &accelerations, force)
@@ -281,7 +281,12 @@ impl ForwardDynamicsQuery {
             .forward_velocities(&pose, self.omega1, self.omega4)
             .map_err(refuse)?;
         let [alpha1, alpha4] = arm
-            .forward_dynamics(&pose, &velocities, self.torque, vec2(self.external_force))
+            .forward_dynamics(
+                &pose,
+                &velocities,
+                self.torque,
+                Vector2::from(self.external_force),
+            )
             .map_err(refuse)?;
         Ok(ForwardDynamicsAnswer { alpha1, alpha4 })
     }
@@ -306,10 +311,6 @@ fn refusal(error: PoseError, place: &str) -> QueryError {
         error: error.into(),
         message: format!("{error}, {place}"),
     }
-}
-
-fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
-    Vector2::new(x, y)
 }
 
 fn array(v: Vector2<f64>) -> [f64; 2] {

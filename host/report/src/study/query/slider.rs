@@ -183,7 +183,7 @@ impl InverseQuery {
         let mode = mode(robot, self.left, self.right);
         robot
             .geometry
-            .inverse(vec2(self.p), mode)
+            .inverse(Vector2::from(self.p), mode)
             .map_err(|error| self.refuse(error))
     }
 
@@ -215,11 +215,11 @@ impl InverseMotionQuery {
         let refuse = |error| self.position.refuse(error);
         let velocities = robot
             .geometry
-            .inverse_velocities(&pose, vec2(self.p_velocity))
+            .inverse_velocities(&pose, Vector2::from(self.p_velocity))
             .map_err(refuse)?;
         let accelerations = robot
             .geometry
-            .inverse_accelerations(&pose, &velocities, vec2(self.p_acceleration))
+            .inverse_accelerations(&pose, &velocities, Vector2::from(self.p_acceleration))
             .map_err(refuse)?;
         Ok(motion_answer(&pose, &velocities, &accelerations))
     }
@@ -286,10 +286,6 @@ fn refusal(error: PoseError, place: &str) -> QueryError {
         error: kind,
         message: format!("{error}, {place}"),
     }
-}
-
-fn vec2([x, y]: [f64; 2]) -> Vector2<f64> {
-    Vector2::new(x, y)
 }
 
 fn array(v: Vector2<f64>) -> [f64; 2] {
