@@ -204,6 +204,11 @@ mod tests {
             "example.org:8080",
             "localhost.example.org",
             "127.0.0.1.nip.io",
+            "localhost:http",
+            "127.0.0.1:80800",
+            "[::1]:http",
+            "[127.0.0.1]:8080",
+            "[example.org]",
             "",
         ] {
             let refusal = known(&guard, name, Some(&format!("http://{name}")));

@@ -2,8 +2,9 @@
 
 use super::rig::Rig;
 use crate::bridge::slot::Phase;
-use fivebar_firmware::Request;
+use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::State;
+use fivebar_firmware::{Move, MoveKind, Request};
 use std::time::{Duration, Instant};
 
 /// The tool's X [mm].
@@ -294,6 +295,28 @@ fn a_grbl_sender_is_not_told_that_a_line_is_in_progress() {
     rig.round();
     let answer = rig.answer(&sender);
     assert!(!answer.contains("busy"), "{answer}");
+}
+
+/// By a page, say.
+#[test]
+fn an_arm_that_somebody_else_moves_is_seen_to_run_and_its_silent_sender_keeps_it() {
+    let mut rig = Rig::homed();
+    let sender = rig.connect();
+    rig.asked(&sender, "G91 G1 X-1 F3000\n");
+    rig.until(|rig| rig.state() == State::Armed);
+    let [x, y] = rig.status().reference.unwrap();
+    let (to, feed) = ([x - 0.03, y], 0.05);
+    let (tag, tool, kind) = (0, 0, MoveKind::Line { to, feed });
+    let next = HostCommand::Move(Move { tag, tool, kind });
+    let taken = rig.session.client.call(next).unwrap();
+    assert!(matches!(taken, Reply::Taken { .. }), "{taken:?}");
+    rig.round();
+    rig.round();
+    assert!(rig.report(&sender).starts_with("<Run|"));
+    sender.set_silence(Duration::from_secs(11));
+    let other = rig.call();
+    rig.round();
+    assert!(other.refusal().contains("another sender is in control"));
 }
 
 #[test]
