@@ -4,6 +4,7 @@ mod current_zeros;
 mod motor;
 mod motor_check;
 mod oscillation;
+mod overload;
 
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Stage};
 use crate::drives::Demand;
