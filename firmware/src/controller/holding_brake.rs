@@ -358,3 +358,25 @@ impl<D: Drives> ArmController<D> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_power_the_brakes_are_engaged_and_nothing_waits_for_them() {
+        let settings = BrakeSettings {
+            engage_time: 0.04,
+            release_time: 0.05,
+        };
+        let mut brake = HoldingBrake::new(&settings, 1e4);
+        brake.phase = Phase::Free;
+        brake.ending = Some(Event::Disarm);
+        brake.verdict = Some(Verdict::Fails);
+        brake.share = 0.5;
+        brake.lose_power();
+        assert!(brake.is_on() && !brake.lets_move());
+        assert!(!brake.is_ending() && brake.take_verdict().is_none());
+        assert_eq!(brake.share, 1.0);
+    }
+}

@@ -69,3 +69,67 @@ impl<
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embedded_hal::digital::{Error, ErrorKind, ErrorType};
+
+    /// A pin at a level; none: it cannot be read.
+    struct Pin(Option<bool>);
+
+    #[derive(Debug)]
+    struct Unreadable;
+
+    impl Error for Unreadable {
+        fn kind(&self) -> ErrorKind {
+            ErrorKind::Other
+        }
+    }
+
+    impl ErrorType for Pin {
+        type Error = Unreadable;
+    }
+
+    impl InputPin for Pin {
+        fn is_high(&mut self) -> Result<bool, Unreadable> {
+            self.0.ok_or(Unreadable)
+        }
+
+        fn is_low(&mut self) -> Result<bool, Unreadable> {
+            self.is_high().map(|high| !high)
+        }
+    }
+
+    /// What is read with the pin of this number at a level, and all others at theirs of a sound arm.
+    fn read(pin: usize, level: Option<bool>) -> [bool; 7] {
+        let sound = [false, false, false, false, false, true, true];
+        let at = |n: usize| Pin(if n == pin { level } else { Some(sound[n]) });
+        let mut inputs = Inputs {
+            home1: at(0),
+            home4: at(1),
+            index1: at(2),
+            index4: at(3),
+            emergency_stop: at(4),
+            fault1: at(5),
+            fault4: at(6),
+        };
+        let ([home1, home4], [index1, index4]) = (inputs.home(), inputs.index());
+        let [fault1, fault4] = inputs.driver_fault();
+        let stop = inputs.emergency_stop();
+        [home1, home4, index1, index4, stop, fault1, fault4]
+    }
+
+    #[test]
+    fn each_input_is_read_from_its_pin_and_a_broken_wire_is_the_unsafe_case() {
+        assert_eq!(read(7, None), [false; 7]);
+        for pin in 0..7 {
+            let mut unsafe_case = [false; 7];
+            unsafe_case[pin] = true;
+            let is_fault_output = pin >= 5;
+            for level in [Some(!is_fault_output), None] {
+                assert_eq!(read(pin, level), unsafe_case, "pin {pin}, {level:?}");
+            }
+        }
+    }
+}
