@@ -167,6 +167,7 @@ impl Page {
         self.wait("a fault", |update| {
             let fault = update.get("fault")?;
             let text = |key: &str| Some(fault.get(key)?.as_str()?.to_owned());
+            assert!(text("advice")?.ends_with('.'), "{fault}");
             Some((text("name")?, text("state")?))
         })
     }

@@ -20,6 +20,7 @@ use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::Fault;
 use fivebar_kinematics::five_bar::Side;
+use fivebar_report::text::next_step;
 use fivebar_sim::controller::{Session, SpeedMeter, sentence};
 use fivebar_sim::link::LinkError;
 use fivebar_sim::simulation::fault_name;
@@ -284,6 +285,7 @@ impl ControllerThread {
                     .send(&ServerMessage::Fault(snapshot.map(|snapshot| {
                         FaultMessage {
                             name: fault_name(snapshot.fault),
+                            advice: next_step(snapshot.fault),
                             snapshot,
                         }
                     })));

@@ -185,10 +185,11 @@ pub(super) struct StateMessage<'a> {
     pub(super) feed: f32,
 }
 
-/// A fault by name, with the snapshot of the tick that raised it.
+/// A fault by name, with what to do and the snapshot of the tick that raised it.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct FaultMessage {
     pub(super) name: String,
+    pub(super) advice: &'static str,
     #[serde(flatten)]
     pub(super) snapshot: Snapshot,
 }

@@ -45,7 +45,7 @@ pub fn fault_and_next_step(scenario: &Scenario, record: &Record) -> Option<Strin
 }
 
 /// What to do after a fault.
-fn next_step(fault: Fault) -> &'static str {
+pub fn next_step(fault: Fault) -> &'static str {
     match fault {
         Fault::EncoderJump => "Check the encoder and its cable, then home again.",
         Fault::EncoderDisagreement => "Check the home switches and their angles, then home again.",
@@ -60,7 +60,9 @@ fn next_step(fault: Fault) -> &'static str {
         Fault::DriverFault => "Read the bridge's fault output; check its supply and its heat.",
         Fault::EmergencyStop => "Go on when the danger is over.",
         Fault::Envelope => "Check joint limits, home switches and payload.",
-        Fault::CommandTimeout => "Check the host and the connection to it.",
+        Fault::CommandTimeout => {
+            "Look whether the host, or the page in control, was closed, disconnected or suspended."
+        }
         Fault::QueueUnderrun => "Check what delays the host or the planner.",
         Fault::TickOverrun => "Check what delays the tick.",
         Fault::NotANumber => "Report this as an error of the firmware, with the job.",

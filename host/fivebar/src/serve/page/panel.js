@@ -4,23 +4,6 @@ import { isMoving } from "./connection.js";
 
 const LIMITS = ["torque", "voltage", "speed"]; // by bit
 
-// What has happened and what to do, by the fault's number.
-const CAUSES = {
-  1: "An encoder's counts jumped. Check its cable, then home again.",
-  2: "The angles after homing belong to no pose. Check switches and zeros.",
-  3: "A joint was too far from its reference. Look for what blocks it.",
-  5: "A current was too high. Look for a short circuit or a blocked joint.",
-  6: "A motor is too hot. Wait until it has cooled.",
-  7: "The supply voltage was too low.",
-  8: "The supply voltage was too high.",
-  9: "A bridge has reported a fault.",
-  10: "The bridges are off and the brake is on. Go on when the danger is over.",
-  11: "A joint left its limits, or the arm came too near a singularity.",
-  12: "The page in control was closed, disconnected or suspended while the arm moved. The arm "
-    + "came to rest on its path and is held.",
-  13: "The path did not arrive in time. The arm came to rest on it and is held.",
-};
-
 const at = (id) => document.getElementById(id);
 const degrees = (angle) => `${((angle * 180) / Math.PI).toFixed(2)}°`.replace("-", "−");
 const numbers = (values, digits) => values.map((v) => v.toFixed(digits).replace("-", "−")).join(", ");
@@ -85,7 +68,7 @@ export function nextStep(state, job, fault, watching) {
   }
   switch (state.state) {
     case "Fault": {
-      const what = fault ? `Fault ${fault.fault}, ${fault.name}. ${CAUSES[fault.fault] ?? ""}` : "Fault.";
+      const what = fault ? `Fault ${fault.fault}, ${fault.name}. ${fault.advice}` : "Fault.";
       return [`${what} Repair the cause, then press the marked button.${held}`, null, "Show it", "clear_fault"];
     }
     case "Homing": return ["The arm searches for its home switches.", "stop", "Stop"];
@@ -130,7 +113,7 @@ export function showFault(fault) {
   at("fault").hidden = !fault;
   if (!fault) return;
   at("fault-name").textContent = `${fault.name} (${fault.fault})`;
-  at("cause").textContent = `${CAUSES[fault.fault] ?? ""} Repair the cause, clear the fault, wait a second, switch the motors on.`;
+  at("cause").textContent = `${fault.advice} Repair the cause, clear the fault, wait a second, switch the motors on.`;
   const rows = [
     ["state", fault.state],
     ["tick", fault.tick],

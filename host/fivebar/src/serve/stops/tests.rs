@@ -83,7 +83,7 @@ impl Rig {
         }
     }
 
-    /// An armed arm on its way to a target, which more of a page's wishes follow.
+    /// An armed arm on its way to a target, which more requests of a page follow.
     fn moving() -> Self {
         let mut rig = Self::new(None);
         rig.arm();
