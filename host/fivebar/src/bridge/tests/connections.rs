@@ -146,17 +146,17 @@ fn the_bridge_greets_a_sender_over_tcp() {
             greeted.send(greeting.unwrap_or_default())
         });
     };
-    let heard = RefCell::new(None);
+    let received = RefCell::new(None);
     let ends = || {
-        *heard.borrow_mut() = greeting.try_recv().ok();
-        heard.borrow().is_some()
+        *received.borrow_mut() = greeting.try_recv().ok();
+        received.borrow().is_some()
     };
     let options = BridgeOptions::at(Some("127.0.0.1:0".parse().unwrap()));
     let source = ControllerSource::Simulated;
     let note = Box::new(|_: &str| ());
     bridge(&test_session::robot(), source, &options, ready, note, &ends).unwrap();
-    let heard = heard.into_inner();
-    assert_eq!(heard.as_deref(), Some("Grbl 1.1h ['$' for help]"));
+    let received = received.into_inner();
+    assert_eq!(received.as_deref(), Some("Grbl 1.1h ['$' for help]"));
 }
 
 #[test]

@@ -19,10 +19,10 @@ fn takes_over(rig: &mut Rig, first: &Caller) -> bool {
         assert_eq!(second.refusal(), BUSY);
         return false;
     }
-    let heard = first.refusal();
+    let received = first.refusal();
     assert!(
-        heard.ends_with("[MSG:another sender is in control now, because this one was silent]\n"),
-        "{heard}"
+        received.ends_with("[MSG:another sender is in control now, because this one was silent]\n"),
+        "{received}"
     );
     true
 }

@@ -237,6 +237,11 @@ fn a_jog_ends_when_it_is_cancelled_or_held_and_its_rest_is_dropped() {
         rig.until(|rig| rig.rests() && !rig.slot.path.is_jog);
         assert!(x(&rig) > start - 20.0, "{start} → {}", x(&rig));
         assert!(rig.report(&sender).starts_with("<Idle|"));
+        // The next line begins where the arm has come to rest.
+        let rest = x(&rig);
+        assert_eq!(rig.asked(&sender, "G91 G1 X-1 F3000\n"), "ok\n");
+        rig.until(|rig| rig.state() == State::Armed);
+        assert!((x(&rig) - rest + 1.0).abs() < 0.2, "{rest} → {}", x(&rig));
     }
 }
 

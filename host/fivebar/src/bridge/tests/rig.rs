@@ -1,6 +1,7 @@
 //! A sender slot, and senders whose bytes a test gives.
 
 use crate::bridge::connection::{Connections, Desk, Event, Outlet, Presence, desk};
+use crate::bridge::sender;
 use crate::bridge::slot::SenderSlot;
 use crate::bridge::{BridgeOptions, Reading};
 use crate::test_session::{self, ROUNDS, robot};
@@ -53,7 +54,7 @@ pub(super) struct Caller {
     pub(super) presence: Arc<Presence>,
     /// Its bytes. Its thread takes each piece only when it has done the one before.
     bytes: SyncSender<Vec<u8>>,
-    heard: Arc<Mutex<String>>,
+    received: Arc<Mutex<String>>,
     closed: Arc<AtomicBool>,
     relay: Arc<Relay>,
 }
@@ -99,9 +100,9 @@ impl Rig {
         fields.begun -= AGE;
         fields.received = (AGE.as_millis() as u64).into();
         let (bytes, input) = mpsc::sync_channel::<Vec<u8>>(0);
-        let heard = Arc::<Mutex<String>>::default();
+        let received = Arc::<Mutex<String>>::default();
         let closed = Arc::<AtomicBool>::default();
-        let (text, end) = (Arc::clone(&heard), Arc::clone(&closed));
+        let (text, end) = (Arc::clone(&received), Arc::clone(&closed));
         let write = move |answer: &str| {
             text.lock().unwrap().push_str(answer);
             true
@@ -126,7 +127,7 @@ impl Rig {
         Caller {
             presence,
             bytes,
-            heard,
+            received,
             closed,
             relay: Arc::clone(&self.relay),
         }
@@ -158,12 +159,16 @@ impl Rig {
     }
 
     pub(super) fn until_rest(&mut self) {
-        self.until(|rig| rig.rests());
+        self.until(Self::rests);
     }
 
     /// Whether the arm rests and nothing waits.
     pub(super) fn rests(&self) -> bool {
-        let done = self.slot.sender.as_ref().is_none_or(|s| s.has_no_lines());
+        let done = self
+            .slot
+            .sender
+            .as_ref()
+            .is_none_or(sender::Sender::has_no_lines);
         done && self.slot.path.queue.is_empty() && self.state() != State::Running
     }
 
@@ -185,7 +190,7 @@ impl Rig {
             sender.outlet.send(MARK);
             caller.wait_for(MARK);
         }
-        std::mem::take(&mut *caller.heard.lock().unwrap()).replace(MARK, "")
+        std::mem::take(&mut *caller.received.lock().unwrap()).replace(MARK, "")
     }
 
     /// What the sender is sent until its lines are done and the arm rests.
@@ -270,13 +275,13 @@ impl Caller {
     }
 
     pub(super) fn wait_for(&self, text: &str) {
-        until(|| self.heard.lock().unwrap().contains(text));
+        until(|| self.received.lock().unwrap().contains(text));
     }
 
     /// What a sender was sent that gets no control.
     pub(super) fn refusal(&self) -> String {
         until(|| self.is_closed());
-        self.heard.lock().unwrap().clone()
+        self.received.lock().unwrap().clone()
     }
 }
 
