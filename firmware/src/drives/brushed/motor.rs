@@ -201,8 +201,9 @@ impl Motor {
         };
     }
 
-    /// Advances the heat by [`WATCHED_EVERY`] ticks at the motor's current; true while it is too hot, or has carried
-    /// about twice its continuous current for nearly 2 s. A sensor that shows less than the least current that the motor's equation admits is not believed.
+    /// Advances the heat by [`WATCHED_EVERY`] ticks at the motor's current; true while it is too hot, or has
+    /// carried about twice its continuous current for nearly 2 s. A sensor that shows less than the least current
+    /// that the motor's equation admits is not believed.
     #[inline(always)]
     pub(super) fn warm(&mut self, model: &MotorModel) -> bool {
         let (measured, least) = (Scalar::abs(self.current), self.check.least_current());

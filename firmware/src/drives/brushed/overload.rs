@@ -1,8 +1,8 @@
 //! How long a motor may carry about twice its continuous current.
 //!
 //! The I²t model lets a motor with a long time constant do so for many seconds: it stands that, but an arm that is
-//! caught does not, nor who is caught in it. Once in `WATCHED_EVERY` ticks, the mean of the squared current is compared with
-//! its limit:
+//! caught does not, nor who is caught in it. Once in `WATCHED_EVERY` ticks, the mean of the squared current is
+//! compared with its limit:
 //!
 //! m ← m + (i² − m) T/0.3 s, a fault after 1.1 s in a row above (1.9 ic)²,
 //!
