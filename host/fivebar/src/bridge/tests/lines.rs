@@ -1,7 +1,10 @@
 //! Lines in order: what each does, when it is answered, and what a pause, a jog and a report make of it.
 
 use super::rig::Rig;
+use crate::bridge::path_state::PathState;
+use crate::bridge::protocol::Order;
 use crate::bridge::slot::Phase;
+use crate::test_session;
 use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Request};
@@ -87,6 +90,38 @@ fn a_line_is_answered_while_its_moves_wait_and_further_ones_when_there_is_room()
     assert!(x(&rig) < start - 30.0);
 }
 
+/// It is answered when there is room for the next one.
+#[test]
+fn a_line_after_which_sixteen_moves_wait_is_not_answered_yet() {
+    let mut rig = Rig::homed();
+    let sender = rig.connect();
+    sender.say(&format!("G91 G1 X-0.5 F600\n{}", "X-0.5\n".repeat(60)));
+    for _ in 0..4 {
+        rig.slot.serve_sender(&mut rig.session).unwrap();
+    }
+    assert!(rig.slot.path.queue.waiting() >= 16);
+    let sender = rig.slot.sender.as_ref().unwrap();
+    let (_, response) = sender.current.as_ref().expect("a line in progress");
+    assert_eq!(response.orders, [Order::Accepted]);
+}
+
+#[test]
+fn a_path_is_done_when_the_controller_has_no_moves_in_two_ticks() {
+    let mut status = test_session::session().status;
+    status.state = State::Armed;
+    let mut path = PathState::new(13);
+    let mut is_idle = |free, state, tick| {
+        path.free = free;
+        (status.state, status.tick) = (state, tick);
+        path.is_idle(&status)
+    };
+    assert!(!is_idle(13, State::Armed, 5) && !is_idle(13, State::Armed, 5));
+    assert!(is_idle(13, State::Armed, 6) && is_idle(13, State::Armed, 7));
+    assert!(!is_idle(12, State::Armed, 8) && !is_idle(13, State::Armed, 9));
+    assert!(!is_idle(13, State::Running, 10) && !is_idle(13, State::Armed, 11));
+    assert!(is_idle(13, State::Armed, 12));
+}
+
 #[test]
 fn a_target_out_of_reach_is_refused_and_moves_nothing() {
     let mut rig = Rig::homed();
@@ -159,16 +194,25 @@ fn a_hold_rests_on_the_path_which_goes_on_when_the_user_says_so() {
     assert!(rig.report(&sender).starts_with("<Hold:1|"));
     rig.until(|rig| rig.slot.phase == Phase::Held);
     assert!(rig.report(&sender).starts_with("<Hold:0|"));
-    let held = x(&rig);
+    let (held, waiting) = (x(&rig), rig.slot.path.queue.waiting());
+    rig.answer(&sender);
+    sender.say("G1 X-0.1\n");
     for _ in 0..50 {
         rig.round();
         assert_eq!(rig.state(), State::Armed);
     }
     assert!((x(&rig) - held).abs() < 0.1);
+    // A line that comes meanwhile waits, too.
+    assert_eq!(rig.slot.path.queue.waiting(), waiting);
+    assert_eq!(rig.answer(&sender), "");
     sender.say("~");
     rig.until_rest();
     let end = f64::from(rig.status().reference.unwrap()[0] - start);
-    assert!((end + 0.04).abs() < 2e-3, "the whole line is drawn: {end}");
+    assert!(
+        (end + 0.0401).abs() < 2e-3,
+        "the whole line is drawn: {end}"
+    );
+    assert_eq!(rig.answer(&sender), "ok\n");
 }
 
 /// The controller refuses what waits; the sender hears why, and may begin anew.
