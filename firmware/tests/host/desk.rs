@@ -20,6 +20,8 @@ pub(crate) struct Memory {
     pub(crate) recorder: Box<Recorder>,
     /// How often it was given settings.
     pub(crate) used: u32,
+    /// What its own sensors show, if it has some.
+    pub(crate) sample: Option<SensorSample>,
 }
 
 impl Board for Memory {
@@ -49,6 +51,10 @@ impl Board for Memory {
 
     fn recorder(&self) -> Option<&Recorder> {
         Some(&self.recorder)
+    }
+
+    fn sample(&self) -> Option<SensorSample> {
+        self.sample
     }
 }
 
@@ -84,6 +90,7 @@ impl Desk {
                 limits: None,
                 recorder: Box::default(),
                 used: 0,
+                sample: None,
             },
             bench: rig::Bench::new(&settings),
             last: Sequence(0xfffe),

@@ -12,7 +12,7 @@ use fivebar_firmware::protocol::{
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::{BoardLimits, SettingsError};
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
-use fivebar_firmware::{Move, MoveKind, Request};
+use fivebar_firmware::{Move, MoveKind, Request, SensorSample};
 
 fn dwell(tag: u32) -> HostCommand {
     HostCommand::Move(Move {
@@ -76,6 +76,19 @@ fn a_repeated_command_gets_the_same_reply_and_is_executed_once() {
     let next = desk.last.next();
     let tick = HostCommand::Tick(desk.bench.sense());
     assert_eq!(desk.send(next, tick), desk.send(next, tick));
+    assert_eq!(desk.controller.ticks(), before + 1);
+}
+
+#[test]
+fn a_board_with_sensors_of_its_own_takes_no_tick_from_a_host() {
+    let mut desk = Desk::armed();
+    desk.board.sample = Some(SensorSample::default());
+    let before = desk.controller.ticks();
+    let tick = HostCommand::Tick(desk.bench.sense());
+    assert_eq!(desk.ask(tick), Reply::Refused(CommandError::Unsupported));
+    assert_eq!(desk.controller.ticks(), before);
+    desk.board.sample = None;
+    desk.tick();
     assert_eq!(desk.controller.ticks(), before + 1);
 }
 
