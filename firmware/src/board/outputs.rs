@@ -46,7 +46,7 @@ impl<Sleep1: OutputPin, Sleep4: OutputPin, Brake: OutputPin> Outputs<Sleep1, Sle
     #[inline]
     pub fn apply(&mut self, command: &ActuatorCommand) {
         let [enable1, enable4] = command.enable;
-        let [duty1, duty4] = command.duty;
+        let [duty1, duty4] = command.drives.duty;
         if enable1 {
             self.bridge1.drive(duty1);
         } else {

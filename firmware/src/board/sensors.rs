@@ -4,6 +4,7 @@ use super::analog::CurrentsAndBus;
 use super::encoders::Encoders;
 use super::pins::Switches;
 use crate::SensorSample;
+use crate::drives::BrushedSample;
 
 /// Encoders, converter and switches.
 pub struct Sensors {
@@ -24,8 +25,10 @@ impl Sensors {
         let samples = self.analog.take();
         SensorSample {
             counts,
-            current: samples.current,
-            bus_voltage: samples.bus_voltage,
+            drives: BrushedSample {
+                current: samples.current,
+                bus_voltage: samples.bus_voltage,
+            },
             home: self.switches.home(),
             index: self.switches.index(),
             emergency_stop: self.switches.emergency_stop() || stopped,
