@@ -87,12 +87,11 @@ mod app {
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The emulator has no clock control and runs from the internal oscillator.
-        let (mut rcc, source) =
-            clocks::start(cx.device.RCC, &cx.device.FLASH, &cx.device.TIM11, |_| {});
+        let (mut rcc, clocks) = clocks::start(cx.device.RCC, &cx.device.FLASH, &cx.device.TIM11);
         let pins = cx.device.GPIOB.split(&mut rcc);
         let pins = (pins.pb6.into_alternate(), pins.pb7.into_alternate());
         let (usart, dma) = (&cx.device.USART1, &cx.device.DMA2);
-        let (buffers, bus) = (cx.local.buffers, source.second_bus());
+        let (buffers, bus) = (cx.local.buffers, clocks.source.second_bus());
         let (receiver, sender) = serial::new(usart, dma, pins, buffers, bus, &mut rcc);
         let (arrived, commands) = cx.local.queue.split();
         let identity = Identity::new(Board::Emulated, Reset::Power);

@@ -35,6 +35,7 @@ mod app {
     use fivebar_firmware::board::outputs::BoardOutputs;
     use fivebar_firmware::board::pins::Pins;
     use fivebar_firmware::board::pwm::{PwmTimer, TICK_CYCLES};
+    use fivebar_firmware::board::self_test::Started;
     use fivebar_firmware::board::sensors::Sensors;
     use fivebar_firmware::board::services::{BoardServices, RECORDER};
     use fivebar_firmware::board::watchdog::Tasks;
@@ -81,12 +82,16 @@ mod app {
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (device, mut core) = (cx.device, cx.core);
-        let reset = post_mortem::reset_reason(&device.RCC);
-        brown_out::enable_reset(&device.FLASH);
-        let (mut rcc, source) =
-            clocks::start(device.RCC, &device.FLASH, &device.TIM11, |frequency| {
-                defmt::error!("the crystal has {} Hz, not 8 MHz", frequency)
-            });
+        let (reset, hung) = post_mortem::reset_reason(&device.RCC);
+        let brown_out = brown_out::enable_reset(&device.FLASH);
+        let (mut rcc, clocks) = clocks::start(device.RCC, &device.FLASH, &device.TIM11);
+        let source = clocks.source;
+        if source == Source::Internal {
+            defmt::error!(
+                "no clock from a crystal of 8 MHz; it has {} Hz",
+                clocks.crystal
+            );
+        }
         let pins = Pins::new(device.GPIOA, device.GPIOB, device.GPIOC, &mut rcc);
         let (tool_timer, tool) = tool::new(device.TIM3, pins.tool, source.tool_timer(), &mut rcc);
         let outputs = BoardOutputs::new(device.TIM1, pins.outputs, tool, &mut rcc);
@@ -114,7 +119,16 @@ mod app {
         );
         let (arrived, commands) = cx.local.queue.split();
 
-        let (services, stored) = BoardServices::start(device.FLASH, device.IWDG, tool_timer);
+        let (services, stored) = BoardServices::start(
+            device.FLASH,
+            device.IWDG,
+            tool_timer,
+            Started {
+                clocks,
+                brown_out,
+                hung,
+            },
+        );
         let (Ok(settings), stored) = (match stored {
             Ok(settings) => (Ok(settings), None),
             Err(error) => (Settings::BENCHTOP.check(), Some(error)),
@@ -172,8 +186,9 @@ mod app {
     #[task(binds = ADC, priority = 3, shared = [controller, sample], local = [sensors, outputs, meter])]
     fn tick(mut cx: tick::Context) {
         let (sensors, outputs, meter) = (cx.local.sensors, cx.local.outputs, cx.local.meter);
+        let waited = outputs.timer.since_trigger();
         let missed = meter.missed(TICK_CYCLES);
-        meter.measure(|| {
+        meter.measure(waited, || {
             if outputs.timer.triggers_in_drive_pulse() {
                 CLOCK_FAILED.store(true, Ordering::Relaxed);
             }
@@ -234,7 +249,8 @@ mod app {
             if let Some(frame) = local.session.telemetry(controller) {
                 local.sender.send(&frame);
             }
-            local.log.update(controller);
+            local.services.times.count();
+            local.log.update(controller, &local.services.times);
             Tasks::SESSION.advanced();
             local.services.watchdog.refresh_if_all_advanced();
         }

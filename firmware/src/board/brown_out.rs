@@ -16,10 +16,12 @@ const PATIENCE: u32 = 50_000_000;
 
 /// Programs the option bytes once in the life of a chip. The level holds from the next reset on.
 /// Programming stalls the core for up to a second, so this is for the start only, before the
-/// watchdog runs.
-pub fn enable_reset(flash: &FLASH) {
-    if flash.optcr().read().bor_lev().bits() == LEVEL_3 {
-        return;
+/// watchdog runs. Returns the code of the level that was found: 0 is the highest, 3 is off. What was
+/// programmed shows at the next start.
+pub fn enable_reset(flash: &FLASH) -> u8 {
+    let found = flash.optcr().read().bor_lev().bits();
+    if found == LEVEL_3 {
+        return found;
     }
     for key in KEYS {
         // SAFETY: the keys in this sequence unlock the register.
@@ -35,4 +37,5 @@ pub fn enable_reset(flash: &FLASH) {
     // If it fails, the next start tries again.
     let _ = (0..PATIENCE).any(|_| flash.sr().read().bsy().bit_is_clear());
     flash.optcr().modify(|_, w| w.optlock().set_bit());
+    found
 }

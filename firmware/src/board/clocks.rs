@@ -24,7 +24,24 @@ pub enum Source {
     Internal,
 }
 
+/// The clocks as they were started.
+#[derive(Clone, Copy, Debug)]
+pub struct Clocks {
+    /// What the core runs from.
+    pub source: Source,
+    /// The crystal's frequency [Hz]; none if it did not start or could not be measured.
+    pub crystal: Option<u32>,
+}
+
 impl Source {
+    /// The core's clock [Hz].
+    pub fn core(self) -> u32 {
+        match self {
+            Self::Crystal => 168_000_000,
+            Self::Internal => 16_000_000,
+        }
+    }
+
     /// Clock of the tool's timer, on the first bus [Hz].
     pub fn tool_timer(self) -> u32 {
         match self {
@@ -43,19 +60,18 @@ impl Source {
     }
 }
 
-/// Starts the clocks; `wrong_crystal` is given the frequency of a crystal that has not 8 MHz [Hz].
+/// Starts the clocks.
 ///
 /// The HAL's own start-up waits for a crystal without a bound; here every wait has one. If the
 /// crystal fails later, the clock security system switches the core to the internal oscillator,
 /// trips the timer's break input and raises the NMI.
-pub fn start(
-    mut rcc: pac::RCC,
-    flash: &pac::FLASH,
-    timer: &pac::TIM11,
-    wrong_crystal: impl FnOnce(Option<u32>),
-) -> (Rcc, Source) {
-    let runs = crystal_starts(&rcc) && crystal::is_right(timer, &mut rcc, wrong_crystal);
-    let source = if runs && pll_locks(&rcc) && core_follows(&rcc, flash) {
+pub fn start(mut rcc: pac::RCC, flash: &pac::FLASH, timer: &pac::TIM11) -> (Rcc, Clocks) {
+    let crystal = match crystal_starts(&rcc) {
+        true => crystal::frequency(timer, &mut rcc),
+        false => None,
+    };
+    let is_right = crystal.is_some_and(crystal::is_right);
+    let source = if is_right && pll_locks(&rcc) && core_follows(&rcc, flash) {
         rcc.cr().modify(|_, w| w.csson().on());
         Source::Crystal
     } else {
@@ -64,7 +80,7 @@ pub fn start(
         rcc.cfgr().modify(|_, w| w.ppre1().div1().ppre2().div1());
         Source::Internal
     };
-    (rcc.constrain(), source)
+    (rcc.constrain(), Clocks { source, crystal })
 }
 
 /// Lets the core run from the PLL: five wait states of the flash, the buses at 42 and

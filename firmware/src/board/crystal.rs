@@ -25,19 +25,14 @@ const RIGHT: RangeInclusive<u32> = 7_600_000..=8_750_000;
 /// crystal of 4 MHz.
 const PATIENCE: u32 = 30_000;
 
-/// Whether the running crystal has 8 MHz; else `wrong` is given its frequency [Hz], none if it cannot be
-/// measured. The core must run from the internal oscillator, with the second bus undivided.
-pub fn is_right(timer: &TIM11, rcc: &mut RCC, wrong: impl FnOnce(Option<u32>)) -> bool {
-    let frequency = frequency(timer, rcc);
-    let right = frequency.is_some_and(|frequency| RIGHT.contains(&frequency));
-    if !right {
-        wrong(frequency);
-    }
-    right
+/// Whether this is the frequency of a crystal of 8 MHz.
+pub fn is_right(frequency: u32) -> bool {
+    RIGHT.contains(&frequency)
 }
 
-/// The crystal's frequency [Hz]; none if two captures in a row did not come or were not read in time.
-fn frequency(timer: &TIM11, rcc: &mut RCC) -> Option<u32> {
+/// The running crystal's frequency [Hz]; none if two captures in a row did not come or were not read in
+/// time. The core must run from the internal oscillator, with the second bus undivided.
+pub fn frequency(timer: &TIM11, rcc: &mut RCC) -> Option<u32> {
     TIM11::enable(rcc);
     TIM11::reset(rcc);
     // SAFETY: the divider is 2 to 31; 2 bits are any input and any prescaler.

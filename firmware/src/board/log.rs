@@ -11,7 +11,7 @@
 //! guards the buffer in place of a critical section. Only `defmt::flush` still waits for a probe,
 //! so nothing here calls it.
 
-use super::cycles;
+use super::cycles::TickTimes;
 use crate::Controller;
 use crate::safety::{Fault, State};
 use rtic_core::Mutex;
@@ -38,7 +38,7 @@ impl EventLog {
     }
 
     /// Logs what has changed since the last call.
-    pub fn update(&mut self, controller: &mut impl Mutex<T = Controller>) {
+    pub fn update(&mut self, controller: &mut impl Mutex<T = Controller>, times: &TickTimes) {
         let (tick, state, latched) = controller.lock(|controller| {
             let latched = controller
                 .fault()
@@ -62,11 +62,8 @@ impl EventLog {
             self.fault = fault;
         }
         if tick.wrapping_sub(self.timing) >= TIMING_EVERY {
-            defmt::info!(
-                "the tick: {=u32} cycles, at most {=u32}",
-                cycles::last(),
-                cycles::longest()
-            );
+            let (last, longest) = times.last_and_longest();
+            defmt::info!("the tick: {=u32} cycles, at most {=u32}", last, longest);
             self.timing = tick;
         }
     }

@@ -16,6 +16,7 @@ pub mod outputs;
 pub mod pins;
 pub mod post_mortem;
 pub mod pwm;
+pub mod self_test;
 pub mod sensors;
 pub mod serial;
 pub mod services;

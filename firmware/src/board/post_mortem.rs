@@ -3,6 +3,7 @@
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
+use cortex_m::peripheral::DWT;
 use stm32f4xx_hal::pac::RCC;
 
 use crate::protocol::Reset;
@@ -11,11 +12,13 @@ use crate::protocol::Reset;
 /// `.uninit` alone.
 #[repr(C)]
 struct Note {
-    /// One of the two marks below, or whatever the RAM held at power-up.
+    /// One of the marks below, or whatever the RAM held at power-up.
     mark: UnsafeCell<MaybeUninit<u32>>,
+    /// With `HUNG`: how long the program has hung [cycles].
+    cycles: UnsafeCell<MaybeUninit<u32>>,
 }
 
-// SAFETY: it is read once at start-up and written once by a handler that never returns.
+// SAFETY: it is read once at start-up and written by functions that never return.
 #[allow(unsafe_code)]
 unsafe impl Sync for Note {}
 
@@ -23,12 +26,14 @@ unsafe impl Sync for Note {}
 #[unsafe(link_section = ".uninit.post_mortem")]
 static NOTE: Note = Note {
     mark: UnsafeCell::new(MaybeUninit::uninit()),
+    cycles: UnsafeCell::new(MaybeUninit::uninit()),
 };
 
-/// RAM holds one of these marks by chance once in 2³¹ power-ups, and only a software reset reads
-/// them.
+/// RAM holds one of these marks by chance once in 2³¹ power-ups, and only a software reset or one by the
+/// watchdog reads them.
 const PANICKED: u32 = 0x5041_4e21;
 const FAULTED: u32 = 0x4641_5521;
+const HUNG: u32 = 0x4855_4e47;
 const NOTHING: u32 = 0;
 
 /// Why the program ended.
@@ -50,9 +55,20 @@ pub fn reset_after(cause: EndCause) -> ! {
     cortex_m::peripheral::SCB::sys_reset();
 }
 
-/// Why the chip started. Clears the note and the flags, so it must be called only once.
-pub fn reset_reason(rcc: &RCC) -> Reset {
-    let note = read();
+/// Hangs until the watchdog resets the chip, and notes how long that takes.
+pub fn hang() -> ! {
+    let began = DWT::cycle_count();
+    write_to(&NOTE.cycles, 0);
+    write(HUNG);
+    loop {
+        write_to(&NOTE.cycles, DWT::cycle_count().wrapping_sub(began));
+    }
+}
+
+/// Why the chip started, and how long the program had hung in [`hang`] [cycles]. Clears the note and the
+/// flags, so it must be called only once.
+pub fn reset_reason(rcc: &RCC) -> (Reset, Option<u32>) {
+    let note = read(&NOTE.mark);
     write(NOTHING);
     let flags = rcc.csr().read();
     let reason = if flags.wdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() {
@@ -77,22 +93,27 @@ pub fn reset_reason(rcc: &RCC) -> Reset {
         Reset::Unknown
     };
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
-    reason
+    let hung = note == HUNG && reason == Reset::Watchdog;
+    (reason, hung.then(|| read(&NOTE.cycles)))
 }
 
-fn read() -> u32 {
+fn read(word: &UnsafeCell<MaybeUninit<u32>>) -> u32 {
     // SAFETY: the word is valid whatever it holds; the volatile read hides from the compiler that
     // it is not initialised.
     #[allow(unsafe_code)]
     unsafe {
-        NOTE.mark.get().cast::<u32>().read_volatile()
+        word.get().cast::<u32>().read_volatile()
     }
 }
 
 fn write(mark: u32) {
+    write_to(&NOTE.mark, mark);
+}
+
+fn write_to(word: &UnsafeCell<MaybeUninit<u32>>, value: u32) {
     // SAFETY: nothing else accesses the word meanwhile, see `Sync`.
     #[allow(unsafe_code)]
     unsafe {
-        NOTE.mark.get().cast::<u32>().write_volatile(mark);
+        word.get().cast::<u32>().write_volatile(value);
     }
 }

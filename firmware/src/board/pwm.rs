@@ -136,6 +136,13 @@ impl PwmTimer {
         self.timer.cr1().read().dir().is_down()
     }
 
+    /// Cycles since the timer last started the converters, read at the beginning of a tick: up to half
+    /// a period, from where the counter counts down.
+    #[inline]
+    pub fn since_trigger(&self) -> u32 {
+        self.timer.cnt().read().bits()
+    }
+
     /// Connects the outputs when `on` turns true, disconnects them when it is false.
     ///
     /// Outputs that the break input has disconnected stay disconnected while `on` stays true.

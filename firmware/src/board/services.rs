@@ -1,11 +1,14 @@
 //! What the session needs from this board: settings stored in flash, the tool's timer, and the
 //! stack's use.
 
+use super::cycles::TickTimes;
+use super::post_mortem;
+use super::self_test::Started;
 use super::stack;
 use super::storage::SettingsFlash;
 use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
-use crate::protocol::StackUse;
+use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan};
 use crate::recorder::Recorder;
 use crate::session::Board;
 use crate::settings::{BoardLimits, CheckedSettings};
@@ -24,6 +27,9 @@ pub struct BoardServices {
     pub watchdog: Watchdog,
     /// The sample of the last tick.
     pub sample: SensorSample,
+    /// How long the ticks take.
+    pub times: TickTimes,
+    started: Started,
 }
 
 impl BoardServices {
@@ -33,6 +39,7 @@ impl BoardServices {
         flash: FLASH,
         watchdog: IWDG,
         mut tool: ToolTimer,
+        started: Started,
     ) -> (Self, Result<CheckedSettings, StorageError>) {
         let (storage, settings) =
             match SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE) {
@@ -50,6 +57,8 @@ impl BoardServices {
             tool,
             watchdog: Watchdog::start(watchdog),
             sample: SensorSample::default(),
+            times: TickTimes::new(),
+            started,
         };
         (services, settings)
     }
@@ -91,5 +100,37 @@ impl Board for BoardServices {
 
     fn sample(&self) -> Option<SensorSample> {
         Some(self.sample)
+    }
+
+    fn test(&mut self, test: BoardTest, tick: u32) -> Result<Option<BoardReport>, CommandError> {
+        let report = match test {
+            BoardTest::Facts => BoardReport::Facts(self.started.facts(tick)),
+            BoardTest::BeginTiming => {
+                self.times.begin();
+                return Ok(None);
+            }
+            BoardTest::Timing(TimedSpan::Interrupt) => BoardReport::Timing(self.times.interrupt()),
+            BoardTest::Timing(TimedSpan::Response) => BoardReport::Timing(self.times.response()),
+            BoardTest::EraseFlash => self.timed(SettingsStorage::erase_older)?,
+            BoardTest::ProgramFlash => self.timed(SettingsStorage::program_older)?,
+            BoardTest::Hang => post_mortem::hang(),
+        };
+        Ok(Some(report))
+    }
+}
+
+impl BoardServices {
+    /// Does something with the flash, and reports how long its operations take.
+    fn timed(
+        &mut self,
+        work: impl FnOnce(&mut SettingsStorage<SettingsFlash>) -> Result<(), StorageError>,
+    ) -> Result<BoardReport, CommandError> {
+        let storage = self.storage.as_mut();
+        let storage = storage.ok_or(CommandError::Storage(StorageError::Range))?;
+        storage.flash().take_time();
+        self.watchdog
+            .with_erase_timeout(|| work(storage))
+            .map_err(CommandError::Storage)?;
+        Ok(BoardReport::Flash(storage.flash().take_time()))
     }
 }

@@ -3,7 +3,9 @@
 //! Programming and erasing stall the core when it fetches from flash: a word for 16 µs, a sector
 //! for up to 2.6 s. Settings are therefore written only while the arm is disarmed.
 
+use crate::protocol::FlashTime;
 use core::sync::atomic::{Ordering, fence};
+use cortex_m::peripheral::DWT;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
     check_write,
@@ -22,10 +24,16 @@ const SECTORS: usize = 4;
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 /// How often the busy flag is read before an operation counts as failed: over 5 s.
 const PATIENCE: u32 = 200_000_000;
+/// No operation.
+const NO_TIME: FlashTime = FlashTime {
+    longest: 0,
+    operations: 0,
+};
 
 /// The sectors.
 pub struct SettingsFlash {
     flash: FLASH,
+    time: FlashTime,
 }
 
 /// Why a sector was not read or written.
@@ -73,7 +81,15 @@ impl SettingsFlash {
 
     /// Takes the flash controller.
     pub fn new(flash: FLASH) -> Self {
-        Self { flash }
+        Self {
+            flash,
+            time: NO_TIME,
+        }
+    }
+
+    /// The operations since the last call, and the longest of them.
+    pub fn take_time(&mut self) -> FlashTime {
+        core::mem::replace(&mut self.time, NO_TIME)
     }
 
     /// Runs `operation` with the control register unlocked, waits for its end and checks its
@@ -89,8 +105,12 @@ impl SettingsFlash {
             w.pgaerr().clear_bit_by_one().pgperr().clear_bit_by_one();
             w.pgserr().clear_bit_by_one()
         });
+        let began = DWT::cycle_count();
         operation(&self.flash);
         let finished = (0..PATIENCE).any(|_| self.flash.sr().read().bsy().bit_is_clear());
+        let took = DWT::cycle_count().wrapping_sub(began);
+        self.time.longest = self.time.longest.max(took);
+        self.time.operations = self.time.operations.saturating_add(1);
         self.flash
             .cr()
             .write(|w| w.psize().psize32().lock().set_bit());

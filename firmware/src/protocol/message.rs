@@ -1,5 +1,6 @@
 //! The messages of the host.
 
+use super::board_test::BoardTest;
 use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
@@ -69,4 +70,6 @@ pub enum HostCommand {
     },
     /// Report what ended the last excitation.
     ExcitationEnd,
+    /// A step of the test of a bare board; not on emulated boards.
+    BoardTest(BoardTest),
 }

@@ -7,6 +7,7 @@
 //! gets the stored reply and is executed only once, so a host that receives no reply sends its
 //! command again. [`Telemetry`] is sent between replies, without a command for each sample.
 
+mod board_test;
 mod decoder;
 mod encode;
 mod frame;
@@ -17,6 +18,9 @@ mod section;
 mod sequence;
 mod step_result;
 
+pub use board_test::{
+    BoardFacts, BoardReport, BoardTest, FlashTime, TIMING_BIN, TIMING_BINS, TimedSpan, Timing,
+};
 pub use decoder::{Decoder, LinkCounts};
 pub use encode::encode;
 pub use frame::{Frame, FrameError, MAX_CONTENT, MAX_FRAME, Message, Sender};

@@ -1,5 +1,6 @@
 //! The messages of the controller.
 
+use super::board_test::BoardReport;
 use super::frame::{Message, Sender};
 use super::identity::Identity;
 use super::section::Section;
@@ -66,6 +67,8 @@ pub enum Reply {
     /// To [`HostCommand::ExcitationEnd`](super::HostCommand::ExcitationEnd): none while it lasts,
     /// and before the first one.
     ExcitationEnd(Option<ExcitationEnd>),
+    /// To [`HostCommand::BoardTest`](super::HostCommand::BoardTest), where a step reports something.
+    Board(BoardReport),
 }
 
 /// How much of the stack has been in use since the reset.

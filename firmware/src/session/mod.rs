@@ -10,11 +10,11 @@ mod start;
 use crate::controller::{self, Controller};
 use crate::planner::Planner;
 use crate::protocol::{
-    CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply, Sequence,
-    SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
+    BoardReport, BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage,
+    Identity, Reply, Sequence, SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
 };
 use crate::recorder::Recorder;
-use crate::safety::State;
+use crate::safety::{Response, State};
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::StorageError;
 use crate::{ActuatorCommand, Request, SensorSample, Settings};
@@ -59,6 +59,14 @@ pub trait Board {
     /// The sensor sample of the last tick; `None` where samples come from the host.
     fn sample(&self) -> Option<SensorSample> {
         None
+    }
+
+    /// Does a step of the board's test after the tick of this number; `None` where it reports nothing.
+    ///
+    /// # Errors
+    /// Why it is not done: a board without a test of its own does none.
+    fn test(&mut self, _test: BoardTest, _tick: u32) -> Result<Option<BoardReport>, CommandError> {
+        Err(CommandError::Unsupported)
     }
 }
 
@@ -245,6 +253,7 @@ impl Session {
             HostCommand::ExcitationEnd => Ok(Reply::ExcitationEnd(
                 controller.lock(|controller| controller.excitation_end()),
             )),
+            HostCommand::BoardTest(test) => test_board(test, controller, board),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }
@@ -317,6 +326,31 @@ fn only_stopped(controller: &Controller) -> Result<(), CommandError> {
             state,
         ))),
     }
+}
+
+/// A step of the board's test. Those that stall the core or end in a reset need the bridges off; without
+/// an emergency stop at its pin, a bare board has latched a fault.
+fn test_board(
+    test: BoardTest,
+    controller: &mut impl Mutex<T = Controller>,
+    board: &mut impl Board,
+) -> Result<Reply, CommandError> {
+    let (tick, state, fault) = controller.lock(|controller| {
+        let fault = controller.fault().map(|snapshot| snapshot.fault);
+        (controller.ticks(), controller.state(), fault)
+    });
+    let is_off = state == State::Stopped
+        || fault.is_some_and(|fault| fault.response() == Response::PowerOff);
+    match test {
+        BoardTest::Facts | BoardTest::BeginTiming | BoardTest::Timing(_) => {}
+        BoardTest::EraseFlash | BoardTest::ProgramFlash | BoardTest::Hang if is_off => {}
+        BoardTest::EraseFlash | BoardTest::ProgramFlash | BoardTest::Hang => {
+            let error = controller::RequestError::State(state);
+            return Err(CommandError::Request(error));
+        }
+    }
+    let report = board.test(test, tick)?;
+    Ok(report.map_or(Reply::Done, Reply::Board))
 }
 
 fn free_slots(planner: &Planner) -> u8 {

@@ -143,14 +143,54 @@ impl<F: NorFlash> SettingsStorage<F> {
         Err(StorageError::Corrupt)
     }
 
+    /// Erases the half that does not hold the newest settings, for a test of the flash.
+    ///
+    /// # Errors
+    /// [`StorageError::Flash`].
+    pub fn erase_older(&mut self) -> Result<(), StorageError> {
+        let half = self.older()?;
+        finish(log(&mut self.flash, &half)?.erase_all())?;
+        Ok(())
+    }
+
+    /// Programs words of that half with ones, which changes nothing, for a test of the flash.
+    ///
+    /// # Errors
+    /// [`StorageError::Flash`].
+    pub fn program_older(&mut self) -> Result<(), StorageError> {
+        let half = self.older()?;
+        self.flash
+            .write(half.start, &[0xff; BUFFER])
+            .map_err(|_| StorageError::Flash)
+    }
+
+    /// The flash itself.
+    pub fn flash(&mut self) -> &mut F {
+        &mut self.flash
+    }
+
+    /// The half that does not hold the newest settings.
+    fn older(&mut self) -> Result<Range<u32>, StorageError> {
+        let newest = self.newest()?;
+        Ok(self.half_beside(newest.map(|(_, half)| half)))
+    }
+
+    /// The other half; the first one if no half is newest.
+    fn half_beside(&self, newest: Option<Range<u32>>) -> Range<u32> {
+        let [first, second] = &self.halves;
+        match newest {
+            Some(half) if half == *first => second.clone(),
+            _ => first.clone(),
+        }
+    }
+
     /// The item to store next, and the half that does not hold the newest.
     fn next(&mut self, settings: &Settings) -> Result<(Item, Range<u32>), StorageError> {
-        let [first, second] = self.halves.clone();
-        let (number, half) = match self.newest()? {
-            Some((newest, half)) if half == first => (newest.number.wrapping_add(1), second),
-            Some((newest, _)) => (newest.number.wrapping_add(1), first),
-            None => (0, first),
+        let (number, newest) = match self.newest()? {
+            Some((newest, half)) => (newest.number.wrapping_add(1), Some(half)),
+            None => (0, None),
         };
+        let half = self.half_beside(newest);
         let settings = *settings;
         Ok((Item { number, settings }, half))
     }

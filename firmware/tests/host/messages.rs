@@ -8,8 +8,9 @@ use fivebar_firmware::controller::{
 use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::protocol::{
-    Board, CommandError, ControllerMessage, HostCommand, HostMessage, Identity, Reply, Reset,
-    Sequence, StackUse, StepResult, Telemetry, VERSION,
+    Board, BoardFacts, BoardReport, BoardTest, CommandError, ControllerMessage, FlashTime,
+    HostCommand, HostMessage, Identity, Reply, Reset, Sequence, StackUse, StepResult, TIMING_BINS,
+    Telemetry, TimedSpan, Timing, VERSION,
 };
 use fivebar_firmware::recorder::{LogConfig, LogPage, LogState};
 use fivebar_firmware::safety::{Fault, Limits, State};
@@ -90,6 +91,7 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
             })
         }),
         any::<u16>().prop_map(|from| HostCommand::ReadLog { from }),
+        board_test().prop_map(HostCommand::BoardTest),
     ];
     (any::<u16>(), command).prop_map(|(sequence, command)| HostMessage {
         sequence: Sequence(sequence),
@@ -143,6 +145,58 @@ fn log_page() -> impl Strategy<Value = LogPage> {
             page,
         },
     )
+}
+
+fn board_test() -> impl Strategy<Value = BoardTest> {
+    prop::sample::select(vec![
+        BoardTest::Facts,
+        BoardTest::BeginTiming,
+        BoardTest::Timing(TimedSpan::Interrupt),
+        BoardTest::Timing(TimedSpan::Response),
+        BoardTest::EraseFlash,
+        BoardTest::ProgramFlash,
+        BoardTest::Hang,
+    ])
+}
+
+fn board_report() -> impl Strategy<Value = BoardReport> {
+    let facts = (
+        any::<(u32, Option<u32>, u32, u16, u8)>(),
+        any::<([u32; 3], u32, u32, Option<u32>)>(),
+    );
+    prop_oneof![
+        facts.prop_map(
+            |((core, crystal, flash_access, flash_size, brown_out), rest)| {
+                let (unique_id, cycles, tick, hung) = rest;
+                BoardReport::Facts(BoardFacts {
+                    core,
+                    crystal,
+                    flash_access,
+                    flash_size,
+                    brown_out,
+                    unique_id,
+                    cycles,
+                    tick,
+                    hung,
+                })
+            }
+        ),
+        any::<(u32, u32, u32, u64, [u32; TIMING_BINS])>().prop_map(
+            |(ticks, least, greatest, sum, bins)| BoardReport::Timing(Timing {
+                ticks,
+                least,
+                greatest,
+                sum,
+                bins,
+            })
+        ),
+        any::<(u32, u16)>().prop_map(|(longest, operations)| {
+            BoardReport::Flash(FlashTime {
+                longest,
+                operations,
+            })
+        }),
+    ]
 }
 
 fn excitation_end() -> impl Strategy<Value = ExcitationEnd> {
@@ -321,6 +375,7 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
         sensor_sample().prop_map(Reply::Sample),
         log_page().prop_map(Reply::Log),
         prop::option::of(excitation_end()).prop_map(Reply::ExcitationEnd),
+        board_report().prop_map(Reply::Board),
     ];
     prop_oneof![
         (any::<u16>(), reply).prop_map(|(sequence, reply)| ControllerMessage::Reply {

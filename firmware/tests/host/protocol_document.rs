@@ -170,6 +170,7 @@ fn every_number_in_the_tables_is_the_one_on_the_wire() {
             HostCommand::Move(Move { kind, .. }) => numbers.insert(variant(&kind)),
             HostCommand::GetSection(key) => numbers.insert(variant(&key)),
             HostCommand::SetSection(section) => numbers.insert(variant(&section)),
+            HostCommand::BoardTest(test) => numbers.insert(variant(&test)),
             _ => false,
         };
     }
@@ -178,9 +179,11 @@ fn every_number_in_the_tables_is_the_one_on_the_wire() {
             continue;
         };
         numbers.insert(variant(&reply));
-        if let Reply::Refused(error) = reply {
-            numbers.insert(variant(&error));
-        }
+        match reply {
+            Reply::Refused(error) => numbers.insert(variant(&error)),
+            Reply::Board(report) => numbers.insert(variant(&report)),
+            _ => false,
+        };
     }
 
     let documented: BTreeSet<_> = DOCUMENT

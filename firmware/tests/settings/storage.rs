@@ -267,3 +267,38 @@ fn a_half_that_cannot_be_read_is_not_taken_for_an_empty_one() {
         assert_eq!(flash.bytes, before);
     }
 }
+
+#[test]
+fn a_test_of_the_flash_keeps_the_newest_settings_and_leaves_the_other_half_blank() {
+    let mut flash = Nor::blank();
+    // Without settings it stays blank.
+    storage(&mut flash).erase_older().expect("power is on");
+    storage(&mut flash).program_older().expect("power is on");
+    assert_eq!(load(&mut flash), Err(StorageError::Blank));
+    for number in 1..=3 {
+        save(&mut flash, number).expect("power is on");
+        let mut storage = storage(&mut flash);
+        storage.erase_older().expect("power is on");
+        storage.program_older().expect("power is on");
+        assert_eq!(storage.load(), Ok(settings(number)));
+    }
+}
+
+#[test]
+fn settings_survive_a_power_cut_at_every_operation_of_a_test_of_the_flash() {
+    let mut before = Nor::blank();
+    for number in 1..=4 {
+        save(&mut before, number).expect("power is on");
+    }
+    for cut in CUTS {
+        for at in 0..12 {
+            let mut flash = before.clone();
+            flash.operations = 0;
+            flash.cut = Some((at, cut));
+            let mut storage = storage(&mut flash);
+            let _ = storage.erase_older().and_then(|()| storage.program_older());
+            flash.cut = None;
+            assert_eq!(load(&mut flash), Ok(settings(4)), "operation {at}");
+        }
+    }
+}

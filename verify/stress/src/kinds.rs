@@ -5,7 +5,7 @@ use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::{MoveKind, Request};
 
 /// The names of the kinds.
-pub const KINDS: [&str; 28] = [
+pub const KINDS: [&str; 29] = [
     "Hello",
     "Status",
     "Snapshot",
@@ -34,6 +34,7 @@ pub const KINDS: [&str; 28] = [
     "Joint",
     "Timed",
     "Crossing",
+    "BoardTest",
 ];
 
 /// The place of a command's kind in [`KINDS`].
@@ -71,5 +72,6 @@ pub(crate) fn kind_of(command: &HostCommand) -> usize {
             MoveKind::Timed(_) => 26,
             MoveKind::Crossing(_) => 27,
         },
+        HostCommand::BoardTest(_) => 28,
     }
 }

@@ -6,7 +6,7 @@ use crate::samples::Hostile;
 use crate::sections::{key, section, tool_output};
 use crate::timed::{TimedRun, Tool};
 use fivebar_firmware::controller::{Excitation, Excited};
-use fivebar_firmware::protocol::{HostCommand, VERSION};
+use fivebar_firmware::protocol::{BoardTest, HostCommand, VERSION};
 use fivebar_firmware::recorder::LogConfig;
 use fivebar_firmware::{CrossingMove, MoveKind, Request, SensorSample, Settings};
 use fivebar_plant::FaultKind;
@@ -105,12 +105,13 @@ pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, flags: u8, settings: &Sett
         238..=243 => Event::Command(HostCommand::ApplySettings),
         244..=245 => Event::Command(HostCommand::SaveSettings),
         246 => Event::Command(log_command(bytes)),
-        247..=248 => Event::Command(match bytes.byte() % 6 {
+        247..=248 => Event::Command(match bytes.byte() % 7 {
             0 => HostCommand::Snapshot,
             1 => HostCommand::Stack,
             2 => HostCommand::Sample,
             3 => HostCommand::ExcitationEnd,
             4 => HostCommand::GetSection(key(bytes)),
+            5 => HostCommand::BoardTest(BoardTest::EraseFlash),
             _ => HostCommand::Tick(SensorSample::default()),
         }),
         249..=250 => Event::Command(HostCommand::Telemetry {

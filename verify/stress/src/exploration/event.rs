@@ -6,7 +6,7 @@ use crate::crossing_arm::CROSSING;
 use crate::rules::Violation;
 use crate::timed::timed_run;
 use fivebar_firmware::controller::{Excitation, Excited, Request};
-use fivebar_firmware::protocol::{HostCommand, Section, SectionKey, VERSION};
+use fivebar_firmware::protocol::{BoardTest, HostCommand, Section, SectionKey, VERSION};
 use fivebar_firmware::recorder::LogConfig;
 use fivebar_firmware::safety::Fault;
 use fivebar_firmware::{CrossingMove, FULL_TOOL, MoveKind, Settings, TimedMove};
@@ -255,6 +255,7 @@ impl World {
             HostCommand::Sample,
             HostCommand::ReadLog { from: 3 },
             HostCommand::ExcitationEnd,
+            HostCommand::BoardTest(BoardTest::Facts),
         ] {
             self.command(command)?;
         }
