@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod board_test;
 pub mod controller;
 pub mod crossing;
 pub mod drive;

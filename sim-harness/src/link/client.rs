@@ -3,8 +3,8 @@
 
 use super::READ;
 use fivebar_firmware::protocol::{
-    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Reply,
-    SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION, encode,
+    CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, LinkCounts,
+    Reply, SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION, encode,
 };
 use fivebar_firmware::{SensorSample, Settings, Status};
 use std::collections::VecDeque;
@@ -246,6 +246,11 @@ impl<L: Read + Write> Client<L> {
     /// The connection itself.
     pub fn line(&mut self) -> &mut L {
         &mut self.line
+    }
+
+    /// The frames received, whole and damaged.
+    pub fn counts(&self) -> LinkCounts {
+        self.decoder.counts()
     }
 
     /// How many times a command was sent again.

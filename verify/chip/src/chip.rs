@@ -5,6 +5,7 @@ use crate::callbacks::{
     write_at, write_sectors,
 };
 use crate::cpu::{Cpu, IdleLoop, Stop};
+use crate::defect::Defect;
 use crate::figures::Figures;
 use crate::image::{CODE, Image};
 use crate::mcu::{Mcu, Options, RAM};
@@ -46,7 +47,11 @@ impl Chip {
         sectors.resize(flash::SIZE, 0xff);
         let mut system = vec![0xff; 0x1000].into_boxed_slice();
         system[0xa10..0xa1c].copy_from_slice(b"\x11\x22\x33fivebar-1");
-        system[0xa22..0xa24].copy_from_slice(&1024_u16.to_le_bytes());
+        let size: u16 = match options.defect {
+            Some(Defect::HalfFlash) => 512,
+            _ => 1024,
+        };
+        system[0xa22..0xa24].copy_from_slice(&size.to_le_bytes());
         let figures = Figures::new(&image);
         let idle = IdleLoop {
             anchor: trace::planner(&image),
@@ -271,7 +276,7 @@ impl Chip {
 
     /// The flash takes the longest time that its data sheet gives for an erase.
     pub fn slow_flash(&mut self) {
-        self.mcu().flash.is_slow = true;
+        self.mcu().flash.slow_down();
     }
 
     /// Notes from now on what the program does between its control ticks.

@@ -3,10 +3,12 @@
 mod access;
 mod amplifier;
 mod arm;
+mod bare;
 mod bus;
 mod callbacks;
 mod chip;
 mod cpu;
+mod defect;
 mod events;
 mod exceptions;
 mod figures;
@@ -31,7 +33,9 @@ mod wiring;
 
 pub use amplifier::BRIDGE_DELAYS;
 pub use arm::{Arm, SharedArm, Tick};
+pub use bare::{BareBoard, BoardMistake, SharedBareBoard};
 pub use chip::Chip;
+pub use defect::Defect;
 pub use figures::{Figures, Summary};
 pub use hand::Hand;
 pub use hold::HAND_TIME;

@@ -1,5 +1,6 @@
 //! Everything of the chip but its core: peripherals, their connections, and time.
 
+use crate::defect::Defect;
 use crate::nvic::{NMI, Nvic};
 use crate::peripherals::adc::Adc;
 use crate::peripherals::capture_timer::{CaptureTimer, Clocks};
@@ -36,6 +37,8 @@ pub struct Options {
     pub lsi: f64,
     /// Symbols per second that the host sends and receives.
     pub host_baud: u64,
+    /// What is wrong with the chip, if something is.
+    pub defect: Option<Defect>,
 }
 
 impl Default for Options {
@@ -46,6 +49,7 @@ impl Default for Options {
             hsi: 16e6,
             lsi: 32e3,
             host_baud: 1_000_000,
+            defect: None,
         }
     }
 }
@@ -103,7 +107,7 @@ impl Mcu {
             cycles: 0,
             cycles_at: 0,
             rcc,
-            flash: Flash::new(sectors),
+            flash: Flash::with_defect(sectors, options.defect),
             tim1: Tim1::new(core),
             encoders: [EncoderTimer::new(), EncoderTimer::new()],
             tool: PwmTimer::new(core),
@@ -111,7 +115,7 @@ impl Mcu {
             adc: Adc::new(),
             dma: Dma::new(),
             usart: Usart::new(options.host_baud),
-            iwdg: Iwdg::new(options.lsi),
+            iwdg: Iwdg::new(options.lsi, options.defect != Some(Defect::NoWatchdog)),
             pwr: Pwr::new(),
             ports: (0..9).map(Port::new).collect(),
             nvic: Nvic::new(),
@@ -144,7 +148,8 @@ impl Mcu {
         self.adc = Adc::new();
         self.dma = Dma::new();
         self.usart.reset();
-        self.iwdg = Iwdg::new(self.options.lsi);
+        let has_watchdog = self.options.defect != Some(Defect::NoWatchdog);
+        self.iwdg = Iwdg::new(self.options.lsi, has_watchdog);
         self.pwr = Pwr::new();
         self.ports = (0..9).map(Port::new).collect();
         self.nvic = Nvic::new();
@@ -181,8 +186,11 @@ impl Mcu {
             Some(_) if self.stalled_until == NEVER => at,
             Some(_) => self.stalled_until,
         };
-        self.tim1
-            .set_clock(self.core * self.rcc.timer_cycles(1), at);
+        let half = self.options.defect == Some(Defect::SlowPwmTimer);
+        self.tim1.set_clock(
+            (self.core * self.rcc.timer_cycles(1)) << u32::from(half),
+            at,
+        );
         self.tool
             .set_clock(self.core * self.rcc.timer_cycles(0), at);
         self.usart.set_clock(self.bus_period(1));

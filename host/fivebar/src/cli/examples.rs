@@ -13,6 +13,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "board-test",
+        &[
+            "fivebar board-test --port /dev/ttyUSB0",
+            "fivebar board-test --port /dev/ttyUSB0 --seconds 5 --json < /dev/null",
+        ],
+    ),
+    (
         "bridge",
         &[
             "fivebar bridge",

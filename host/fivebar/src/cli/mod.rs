@@ -4,6 +4,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod accuracy;
+mod board_test;
 mod bridge;
 mod calibrate;
 mod clearance;
@@ -64,6 +65,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(Box<accuracy::Args>),
+    BoardTest(board_test::Args),
     Bridge(bridge::Args),
     Calibrate(calibrate::Args),
     Clearance(clearance::Args),
@@ -104,6 +106,7 @@ pub fn main() -> ExitCode {
         None => demo::run(&cli.demo),
         Some(command) => match command {
             Command::Accuracy(args) => accuracy::run(&args),
+            Command::BoardTest(args) => board_test::run(&args),
             Command::Bridge(args) => bridge::run(&args),
             Command::Calibrate(args) => calibrate::run(&args),
             Command::Clearance(args) => clearance::run(&args),

@@ -29,6 +29,8 @@ pub(super) enum ValueError {
     PositiveMillimetres,
     #[error("give a number from 0.2 to 2000")]
     Rate,
+    #[error("give a number of seconds from 0.1 to 3600")]
+    Seconds,
     #[error("give a positive number")]
     Scale,
     #[error("give a number above 0, 1 at most")]

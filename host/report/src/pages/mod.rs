@@ -1,6 +1,7 @@
 //! The HTML pages of runs and studies.
 
 pub mod accuracy;
+mod board_test;
 mod clearance;
 mod crossing;
 mod linkage;
@@ -9,6 +10,7 @@ mod mobility;
 mod plan;
 mod run;
 
+pub use board_test::board_test;
 pub use clearance::clearance;
 pub use crossing::crossing;
 pub use linkage::linkage;

@@ -3,10 +3,13 @@
 //!
 //! `board [image] [robot]` prints the terminal's path and runs, at the speed of real time or as
 //! fast as this machine allows, until it is interrupted. Lines of its input tell a hand at the arm
-//! what to do (`Hand::execute`); it prints `done` when the hand has done it.
+//! what to do (`Hand::execute`); it prints `done` when the hand has done it. With `bare` in place of the robot
+//! the board has no bridges and no arm, and the lines are the tasks of `fivebar board-test`.
 
 use fivebar_chip::time::{MILLISECOND, Time};
-use fivebar_chip::{Arm, Chip, HAND_TIME, Hand, Image, Options, SharedArm};
+use fivebar_chip::{
+    Arm, BareBoard, Chip, HAND_TIME, Hand, Image, Options, SharedArm, SharedBareBoard, Wiring,
+};
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_plant::Mismatch;
 use fivebar_plant::Plant;
@@ -78,25 +81,59 @@ fn run() -> Result<(), Box<dyn Error>> {
     let image = arguments
         .next()
         .unwrap_or_else(|| format!("{BUILT}/{IMAGE}"));
-    let robot = Robot::load(
-        &arguments
-            .next()
-            .unwrap_or_else(|| BuiltIn::DEFAULT.to_owned()),
-    )?;
+    let robot = arguments
+        .next()
+        .unwrap_or_else(|| BuiltIn::DEFAULT.to_owned());
     let read = Image::read(&PathBuf::from(&image));
     let read = read.map_err(|error| format!("{image}: {error}; scripts/firmware.sh builds it"))?;
     let image = Arc::new(read);
-    // A little before the home switches.
+    let (mut world, wiring) = match robot.as_str() {
+        "bare" => bare(),
+        robot => with_arm(Robot::load(robot)?)?,
+    };
+    let chip = Chip::new(image, Options::default(), Vec::new(), wiring);
+    let chip = chip.map_err(|error| format!("the CPU emulator fails: {error:?}"))?;
+    let (line, path) = terminal()?;
+    println!("{}", path.display());
+    serve(chip, &mut world, line)
+}
+
+/// What is at the chip's pins, and what a hand can do there.
+enum World {
+    Arm(SharedArm, Hand),
+    Bare(SharedBareBoard),
+}
+
+impl World {
+    /// Forgets the past, of which a long run has too much.
+    fn forget(&self) {
+        if let Self::Arm(arm, _) = self {
+            arm.get().forget();
+        }
+    }
+
+    fn execute(&mut self, order: &str) -> Result<(), String> {
+        match self {
+            Self::Arm(arm, hand) => hand.execute(&mut arm.get(), order),
+            Self::Bare(board) if board.execute(order) => Ok(()),
+            Self::Bare(_) => Err(format!("no hand can do this at a bare board: {order}")),
+        }
+    }
+}
+
+fn bare() -> (World, Box<dyn Wiring>) {
+    let board = SharedBareBoard::new(BareBoard::new(None));
+    (World::Bare(board.clone()), Box::new(board))
+}
+
+/// An arm a little before its home switches.
+fn with_arm(robot: Robot) -> Result<(World, Box<dyn Wiring>), Box<dyn Error>> {
     let axes = robot.settings()?.axes;
     let before = axes.map(|axis| if axis.home_forward { -0.03 } else { 0.03 });
     let pose = robot.pose_near_home(before)?;
     let plant = Plant::new(&robot.plant_parameters()?, &Mismatch::default(), &pose, 1);
     let arm = SharedArm::new(Arm::new(plant.with_resolved_windings(), MILLISECOND));
-    let chip = Chip::new(image, Options::default(), Vec::new(), Box::new(arm.clone()));
-    let chip = chip.map_err(|error| format!("the CPU emulator fails: {error:?}"))?;
-    let (line, path) = terminal()?;
-    println!("{}", path.display());
-    serve(chip, &arm, line, Hand::new(robot))
+    Ok((World::Arm(arm.clone(), Hand::new(robot)), Box::new(arm)))
 }
 
 /// The lines of the input, which a thread reads.
@@ -112,12 +149,7 @@ fn orders() -> Receiver<String> {
     receiver
 }
 
-fn serve(
-    mut chip: Chip,
-    arm: &SharedArm,
-    mut line: File,
-    mut hand: Hand,
-) -> Result<(), Box<dyn Error>> {
+fn serve(mut chip: Chip, world: &mut World, mut line: File) -> Result<(), Box<dyn Error>> {
     let orders = orders();
     let mut busy_until = None;
     let began = Instant::now();
@@ -136,7 +168,7 @@ fn serve(
             // What nobody reads is lost, as on a wire.
             let _ = line.write(&sent);
         }
-        arm.get().forget();
+        world.forget();
         if busy_until.is_some_and(|end| chip.now() >= end) {
             println!("done");
             busy_until = None;
@@ -144,7 +176,7 @@ fn serve(
         if busy_until.is_none()
             && let Ok(order) = orders.try_recv()
         {
-            hand.execute(&mut arm.get(), &order)?;
+            world.execute(&order)?;
             busy_until = Some(chip.now() + HAND_TIME + HAND_TIME / 2);
         }
         let simulated = Duration::from_nanos(chip.now() / NANOSECOND);

@@ -1,5 +1,6 @@
 //! The flash controller, the settings' sectors and the data cache in front of them.
 
+use crate::defect::Defect;
 use crate::register::Register;
 use crate::time::{MICROSECOND, MILLISECOND, Time};
 use crate::violation::{Access, refuse, refuse_read};
@@ -96,8 +97,9 @@ pub(crate) struct Flash {
     option_keys: usize,
     /// Unlocking failed: the lock stays until the next reset.
     jammed: bool,
-    /// An erase takes the longest time that the data sheet gives.
-    pub(crate) is_slow: bool,
+    /// How much longer than typical an erase takes.
+    slowness: u64,
+    defect: Option<Defect>,
     pub(crate) sectors: Vec<u8>,
     /// Cached lines, the one used last at the end: offset and contents.
     cache: Vec<(usize, [u8; LINE])>,
@@ -115,21 +117,39 @@ impl Flash {
             keys: 0,
             option_keys: 0,
             jammed: false,
-            is_slow: false,
+            slowness: 1,
+            defect: None,
             sectors,
             cache: Vec::new(),
             events: Vec::new(),
         }
     }
 
+    pub(crate) fn with_defect(sectors: Vec<u8>, defect: Option<Defect>) -> Self {
+        Self {
+            defect,
+            slowness: if defect == Some(Defect::WornFlash) {
+                3
+            } else {
+                1
+            },
+            ..Self::new(sectors)
+        }
+    }
+
+    /// An erase takes the longest time that the data sheet gives.
+    pub(crate) fn slow_down(&mut self) {
+        self.slowness = SLOWEST;
+    }
+
     pub(crate) fn reset(&mut self) {
         let sectors = std::mem::take(&mut self.sectors);
         let events = std::mem::take(&mut self.events);
-        let is_slow = self.is_slow;
+        let (slowness, defect) = (self.slowness, self.defect);
         let (optcr, brown_out) = (self.optcr.value, self.brown_out);
         *self = Self::new(sectors);
         self.events = events;
-        self.is_slow = is_slow;
+        (self.slowness, self.defect) = (slowness, defect);
         self.brown_out = brown_out;
         self.optcr.value = optcr & !0xc | brown_out << 2 | 1;
     }
@@ -176,6 +196,9 @@ impl Flash {
                     );
                 }
                 self.acr.write(value)?;
+                if self.defect == Some(Defect::NoAccelerator) {
+                    self.acr.clear(0x700);
+                }
                 if reset != 0 || caching == 0 {
                     self.cache.clear();
                 }
@@ -203,7 +226,9 @@ impl Flash {
                 }
                 self.optcr.write(value)?;
                 if value >> 1 & 1 != 0 {
-                    self.brown_out = self.optcr.field(2, 2);
+                    if self.defect != Some(Defect::FixedOptionBytes) {
+                        self.brown_out = self.optcr.field(2, 2);
+                    }
                     return Ok(Operation::Busy(now + OPTIONS));
                 }
             }
@@ -271,8 +296,7 @@ impl Flash {
         self.finish();
         // With 8 or 16 bits at a time it takes two or one and a half times as long.
         let slower = [4, 3, 2, 2][self.cr.field(8, 2) as usize];
-        let aged = if self.is_slow { SLOWEST } else { 1 };
-        Ok(Operation::Busy(now + ERASE * aged * slower / 2))
+        Ok(Operation::Busy(now + ERASE * self.slowness * slower / 2))
     }
 
     /// Protects the sectors of these bits, and no others, from being written, as the option bytes

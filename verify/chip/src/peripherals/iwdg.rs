@@ -16,6 +16,7 @@ pub(crate) struct Iwdg {
     rlr: Register,
     unlocked: bool,
     running: bool,
+    works: bool,
     /// Period of the slow oscillator.
     slow: Time,
     /// The values in effect, and when the written ones arrive.
@@ -28,13 +29,15 @@ pub(crate) struct Iwdg {
 }
 
 impl Iwdg {
-    /// `lsi` is the frequency of the slow oscillator: 32 kHz, 17 to 47 kHz [Hz].
-    pub(crate) fn new(lsi: f64) -> Self {
+    /// `lsi` is the frequency of the slow oscillator: 32 kHz, 17 to 47 kHz [Hz]. One that does not work
+    /// never bites.
+    pub(crate) fn new(lsi: f64, works: bool) -> Self {
         Self {
             pr: Register::new("IWDG_PR", 0, 7, 0),
             rlr: Register::new("IWDG_RLR", 0xfff, 0xfff, 0),
             unlocked: false,
             running: false,
+            works,
             slow: period(lsi),
             prescaler: 0,
             reload: 0xfff,
@@ -49,7 +52,7 @@ impl Iwdg {
     }
 
     fn restart(&mut self, now: Time) {
-        if self.running {
+        if self.running && self.works {
             self.bites_at = now + self.step() * u64::from(self.reload + 1);
         }
     }
@@ -64,7 +67,9 @@ impl Iwdg {
             return;
         }
         self.running = true;
-        self.bites_at = now + self.step() * 0x1000;
+        if self.works {
+            self.bites_at = now + self.step() * 0x1000;
+        }
         for at in [&mut self.prescaler_at, &mut self.reload_at] {
             if *at == WAITING {
                 *at = now + UPDATE * self.slow;
@@ -82,7 +87,7 @@ impl Iwdg {
             self.prescaler_at = NEVER;
             let left = self.bites_at.saturating_sub(now) / self.step();
             self.prescaler = self.pr.value;
-            if self.running {
+            if self.running && self.works {
                 self.bites_at = now + left * self.step();
             }
         }
