@@ -168,7 +168,7 @@ MISTAKES = [
     ("bytes behind a message accepted", "protocol/decoder.rs", "Ok((message, [])) => Ok(message),", "Ok((message, _)) => Ok(message),"),
     ("settings of another layout accepted", "storage/mod.rs", "const FIRST_LAYOUT: u8 = 7;", "const FIRST_LAYOUT: u8 = 4;"),
     ("a save not read back", "storage/mod.rs", "if self.newest()? == Some((item, half)) {", "if self.newest()? == Some((item, half)) || item.number > 0 {", "Some(found) if found == *item => Ok(())", "Some(_) => Ok(())"),
-    ("the half with the newest settings overwritten", "storage/mod.rs", "Some((newest, half)) if half == first => (newest.number.wrapping_add(1), second),", "Some((newest, half)) if half == second => (newest.number.wrapping_add(1), second),"),
+    ("the half with the newest settings overwritten", "storage/mod.rs", "Some(half) if half == *first => second.clone(),", "Some(half) if half == *second => second.clone(),"),
     ("damaged settings are no fault at the start", "session/start.rs", "Some(StorageError::Corrupt) => Some(Fault::SettingsCorrupt),", "Some(StorageError::Corrupt) => None,"),
     ("a watchdog reset is no fault at the start", "session/start.rs", "Reset::Watchdog => Some(Fault::WatchdogReset),", "Reset::Watchdog => None,"),
     ("the over-current limit below a motor's peak", "settings/table.rs", "let peak = self.greatest(|axis| axis.peak_current);", "let peak = self.axes[0].peak_current;"),
