@@ -86,12 +86,16 @@ mod tests {
         let settings = settings.check().expect("valid settings");
         let mut controller = Controller::new(&settings);
         let mut planner = Planner::new(&settings);
-        (0..3000).for_each(|_| drop(controller.tick(&SAMPLE)));
+        for _ in 0..3000 {
+            controller.tick(&SAMPLE);
+        }
         controller
             .request(Request::SetAngles(ANGLES))
             .expect("rest");
         controller.request(Request::Arm).expect("armed");
-        (0..300).for_each(|_| drop(controller.tick(&SAMPLE)));
+        for _ in 0..300 {
+            controller.tick(&SAMPLE);
+        }
         let start = controller.status().tool.expect("a tool");
         let (mut tag, mut running) = (0, 0);
         for tick in 0..100_000_u32 {
