@@ -39,6 +39,9 @@ fn no_answer_holds_a_number_that_is_none() {
         .take(14)
         .map(|line| format!("{line}\n"))
         .collect();
+    let scenario = include_str!("../../../files/scenarios/realistic.toml");
+    let petal = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/jobs/petal.gcode");
+    let scenario = scenario.replace("../jobs/fivebar.gcode", petal);
     let mut tried = 0;
     for (file, text, args) in [
         (
@@ -82,6 +85,7 @@ fn no_answer_holds_a_number_that_is_none() {
             "margins FILE --json",
         ),
         ("f.csv", &holes, "calibrate --points FILE --json"),
+        ("f.toml", &scenario, "sim FILE --json"),
     ] {
         let path = folder.path().join(file);
         for number in EXTREMES {
