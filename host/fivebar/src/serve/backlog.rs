@@ -1,3 +1,6 @@
+//! Signs of life that wait to be read. A server that gets little time reads late what a lost page has
+//! sent, and would take it for alive.
+//!
 //! The time at which a connection's receive queue was last empty.
 
 use std::io::ErrorKind;

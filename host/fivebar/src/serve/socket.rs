@@ -6,14 +6,13 @@
 use super::channels::{EventKind, Notice, Page, QueueError, WebEnd};
 use super::frame_meter::{FrameMeter, LimitError};
 use super::message::{ClientRequest, ServerMessage, brief};
-use super::rate::PerSecond;
 use axum::body::Bytes;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
 use std::borrow::Cow;
 use std::net::TcpStream;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::sync::broadcast::{self, error::RecvError};
 use tokio::sync::mpsc;
@@ -23,13 +22,13 @@ use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
 use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tokio_tungstenite::tungstenite::{Error, Message, Utf8Bytes};
 
-/// Longest message that is read here [bytes]. Only jobs are longer; another thread reads those.
+/// Longest message that is read here [bytes]. Only jobs are longer; the thread of jobs reads those,
+/// because the signs of life and stops of the same page would wait for it.
 const MAX_SHORT_MESSAGE: usize = 4 << 10;
-/// Most stops of a page per second: several times what held keys produce.
-const MAX_STOPS_PER_SECOND: u32 = 100;
-/// Refusals that may wait for their page.
+/// Refusals that may wait for their page: it may send and read nothing.
 const REFUSALS: usize = 8;
-/// A page that reads nothing for this time is disconnected.
+/// A page that reads nothing for this time is disconnected. Without it 32 pages that read nothing
+/// keep every other page out for ever.
 const LONGEST_SEND: Duration = Duration::from_secs(30);
 /// Time for a page to receive the reason for which it is disconnected.
 const LONGEST_GOODBYE: Duration = Duration::from_millis(250);
@@ -68,7 +67,6 @@ pub(super) async fn exchange<S: Connection>(
         pages: &pages,
         stream,
         refusals,
-        stops: PerSecond::new(MAX_STOPS_PER_SECOND),
     };
     let mut writer = Writer {
         page: &page,
@@ -109,7 +107,6 @@ struct Reader<'a, S> {
     pages: &'a WebEnd,
     stream: SplitStream<Socket<S>>,
     refusals: mpsc::Sender<Utf8Bytes>,
-    stops: PerSecond,
 }
 
 impl<S: Connection> Reader<'_, S> {
@@ -119,22 +116,21 @@ impl<S: Connection> Reader<'_, S> {
                 Ok(message) => message,
                 Err(error) => return limit(&error),
             };
-            let now = Instant::now();
             self.pages.shared.lease.renew(self.page);
             let result = match message {
-                Message::Text(text) => self.receive(text, now),
+                Message::Text(text) => self.receive(text),
                 Message::Ping(_) | Message::Pong(_) => Ok(()),
                 Message::Binary(_) | Message::Close(_) | Message::Frame(_) => return None,
             };
             if let Err(end) = result {
                 return end;
             }
-            // Other pages have their turn, however much this one has sent.
+            // Refusals are written also while the page goes on sending.
             tokio::task::yield_now().await;
         }
     }
 
-    fn receive(&mut self, text: Utf8Bytes, now: Instant) -> Result<(), End> {
+    fn receive(&mut self, text: Utf8Bytes) -> Result<(), End> {
         if text.len() > MAX_SHORT_MESSAGE {
             return self.queue(EventKind::LongMessage(text));
         }
@@ -152,12 +148,6 @@ impl<S: Connection> Reader<'_, S> {
             _ => None,
         };
         if let Some(stop) = stop {
-            if !self.stops.admit(now) {
-                return Err(Some(
-                    format!("This page sent more than {MAX_STOPS_PER_SECOND} stops in a second.")
-                        .into(),
-                ));
-            }
             self.pages.shared.stop.raise(stop, self.page.id);
             return Ok(());
         }

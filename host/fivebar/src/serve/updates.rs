@@ -1,20 +1,16 @@
 //! What the controller's thread sends to the pages, past every lock.
 //!
-//! The channels that wake the pages' threads have locks. A page's thread that loses the processor
-//! while it holds one would keep the controller's thread waiting, and with it a stop. So a thread of
-//! its own passes the updates on: the controller's thread adds them to a queue without a lock and wakes it.
+//! The channels that wake the pages' threads have locks. A page's thread that lost the processor
+//! while it held one kept the controller's thread waiting, and with it a stop, for up to 0.3 s. So a
+//! thread of its own passes the updates on: the controller's thread adds them to a queue without a lock
+//! and wakes it.
 
 use super::channels::{Latest, Notice};
 use super::message::ServerMessage;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::{self, Thread};
 use tokio::sync::{broadcast, watch};
 use tokio_tungstenite::tungstenite::Utf8Bytes;
-
-/// Updates that may wait before states are left out, which only the latest of counts.
-const MOST_WAITING: usize = 64;
 
 /// A message as text.
 enum Item {
@@ -48,7 +44,6 @@ impl PageChannels {
 /// The end at the controller's thread. It never waits.
 pub(super) struct Updates {
     queue: Sender<Item>,
-    waiting: Arc<AtomicUsize>,
     // After the queue, whose end it makes known.
     thread: Wake,
 }
@@ -66,22 +61,15 @@ impl Updates {
     /// Starts the thread, which ends with this value.
     pub(super) fn start(pages: PageChannels) -> Self {
         let (queue, items) = channel();
-        let waiting = Arc::<AtomicUsize>::default();
-        let count = Arc::clone(&waiting);
-        let thread = thread::spawn(move || pass_on(&items, &pages, &count));
+        let thread = thread::spawn(move || pass_on(&items, &pages));
         Self {
             queue,
-            waiting,
             thread: Wake(thread.thread().clone()),
         }
     }
 
     /// Sends a message to its page, or to all pages.
     pub(super) fn send(&self, message: &ServerMessage<'_>) {
-        let waits = self.waiting.load(Ordering::SeqCst) >= MOST_WAITING;
-        if waits && matches!(message, ServerMessage::State(_)) {
-            return;
-        }
         let text = message.json();
         self.queue(match message {
             ServerMessage::State(_) | ServerMessage::Guide(_) => Item::State(text),
@@ -98,7 +86,6 @@ impl Updates {
     }
 
     fn queue(&self, item: Item) {
-        self.waiting.fetch_add(1, Ordering::SeqCst);
         // The thread outlives this value.
         let _ = self.queue.send(item);
         self.thread.0.unpark();
@@ -106,11 +93,10 @@ impl Updates {
 }
 
 /// Passes updates on until their queue ends. It never waits in the queue, which would take a lock.
-fn pass_on(items: &Receiver<Item>, pages: &PageChannels, waiting: &AtomicUsize) {
+fn pass_on(items: &Receiver<Item>, pages: &PageChannels) {
     loop {
         match items.try_recv() {
             Ok(item) => {
-                waiting.fetch_sub(1, Ordering::SeqCst);
                 pages.pass_on(item);
             }
             Err(TryRecvError::Empty) => thread::park(),
@@ -121,11 +107,14 @@ fn pass_on(items: &Receiver<Item>, pages: &PageChannels, waiting: &AtomicUsize) 
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST_WAITING, Updates};
+    use super::Updates;
     use crate::serve::channels::channels;
     use crate::serve::message::ServerMessage;
     use std::sync::mpsc;
     use std::time::{Duration, Instant};
+
+    /// Many more than pages look at before the lock is free.
+    const UPDATES: usize = 640;
 
     fn until(wanted: impl Fn() -> bool) {
         let start = Instant::now();
@@ -142,7 +131,7 @@ mod tests {
         let (sent, done) = mpsc::channel();
         let sender = std::thread::spawn(move || {
             let updates = Updates::start(pages);
-            for number in 0..10 * MOST_WAITING {
+            for number in 0..UPDATES {
                 updates.send_job(number.to_string().into());
             }
             sent.send(()).expect("a test");
@@ -151,7 +140,7 @@ mod tests {
         let in_time = done.recv_timeout(Duration::from_secs(20));
         drop(held);
         in_time.expect("updates are sent while a page holds the lock");
-        let last = (10 * MOST_WAITING - 1).to_string();
+        let last = (UPDATES - 1).to_string();
         until(|| {
             web.job
                 .borrow()
