@@ -19,4 +19,10 @@ fn main() {
     // cortex-m-rt's section starts are 4-byte aligned; a page-aligned image wastes flash.
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
+    // These two make their controllers and planners on the stack. They run on the emulator only, whose
+    // RAM is theirs.
+    for image in ["instructions", "replay"] {
+        println!("cargo:rustc-link-arg-bin={image}=--defsym=_stack_start=0x20020000");
+        println!("cargo:rustc-link-arg-bin={image}=--defsym=_stack_end=__euninit");
+    }
 }

@@ -92,8 +92,12 @@ pub struct Recorder {
     wait: AtomicU16,
     words: AtomicU16,
     first_tick: AtomicU32,
-    store: [AtomicU16; LOG_WORDS],
+    /// Behind the log's room, a row of words that are written and never read.
+    store: [AtomicU16; LOG_WORDS + SIGNALS],
 }
+
+/// The number of [`Signals`].
+const SIGNALS: usize = 8;
 
 const EMPTY: u8 = 0;
 const WAITING: u8 = 1;
@@ -118,7 +122,7 @@ impl Recorder {
             wait: AtomicU16::new(0),
             words: AtomicU16::new(0),
             first_tick: AtomicU32::new(0),
-            store: [const { AtomicU16::new(0) }; LOG_WORDS],
+            store: [const { AtomicU16::new(0) }; LOG_WORDS + SIGNALS],
         }
     }
 
@@ -173,28 +177,32 @@ impl Recorder {
         if start == 0 {
             self.first_tick.store(tick, Ordering::Relaxed);
         }
-        let signals = self.signals.load(Ordering::Relaxed);
-        let mut place = usize::from(start);
-        let mut put = |signal: Signals, value: u16| {
-            if signals & signal.bits() == 0 {
-                return;
-            }
-            if let Some(word) = self.store.get(place) {
+        let rest = self.store.get(usize::from(start)..);
+        let Some(words) = rest.and_then(<[AtomicU16]>::first_chunk::<SIGNALS>) else {
+            return;
+        };
+        // Without a branch: a signal that is not chosen is overwritten by the next one, or lies behind the row.
+        let mut signals = usize::from(self.signals.load(Ordering::Relaxed));
+        let mut place = 0;
+        let mut put = |value: u16| {
+            if let Some(word) = words.get(place % SIGNALS) {
                 word.store(value, Ordering::Relaxed);
             }
-            place += 1;
+            place += signals & 1;
+            signals >>= 1;
         };
         let ([counts1, counts4], [current1, current4]) = (sample.counts, sample.drives.current);
         let [duty1, duty4] = command.drives.duty;
         let scaled = |duty: f32| (duty * 32_767.0) as i16 as u16;
-        put(Signals::COUNTS_1, counts1 as u16);
-        put(Signals::COUNTS_4, counts4 as u16);
-        put(Signals::CURRENT_1, current1);
-        put(Signals::CURRENT_4, current4);
-        put(Signals::DUTY_1, scaled(duty1));
-        put(Signals::DUTY_4, scaled(duty4));
-        put(Signals::BUS_VOLTAGE, sample.drives.bus_voltage);
-        put(Signals::INPUTS, inputs(sample, command));
+        // In the order of the bits of `Signals`.
+        put(counts1 as u16);
+        put(counts4 as u16);
+        put(current1);
+        put(current4);
+        put(scaled(duty1));
+        put(scaled(duty4));
+        put(sample.drives.bus_voltage);
+        put(inputs(sample, command));
         self.words.store(start + row, Ordering::Relaxed);
     }
 

@@ -106,7 +106,7 @@ MISTAKES = [
     ("the idle line's flag not cleared", "serial.rs", "                    let _ = usart.dr().read();\n", ""),
     ("no cycle counter", "cycles.rs", "        dwt.enable_cycle_counter();\n", ""),
     ("used and unused stack exchanged", "stack.rs", "size - (painted * size_of::<u32>()) as u32", "(painted * size_of::<u32>()) as u32"),
-    ("settings of another tick rate used", "services.rs", "BoardLimits::STM32F405\n        .check(settings)\n        .and_then(|()| settings.check())", "settings.check()"),
+    ("settings of another tick rate used", "services.rs", "bounded.and_then(|()| stored.check())", "bounded.map_or_else(|_| stored.check(), |()| stored.check())"),
     ("priorities of tick and serial line exchanged", "bin/stm32f405.rs", "binds = ADC, priority = 3", "binds = ADC, priority = 2", "binds = SysTick, priority = 3", "binds = SysTick, priority = 2", "binds = USART1, priority = 2", "binds = USART1, priority = 3"),
     ("joint 1's index input without a pull-up", "pins.rs", "c.pc8.into_pull_up_input()", "c.pc8.into_floating_input()"),
     ("joint 4's index input without a pull-up", "pins.rs", "c.pc9.into_pull_up_input()", "c.pc9.into_floating_input()"),

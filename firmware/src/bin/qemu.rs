@@ -17,7 +17,9 @@ use cortex_m_rt::{ExceptionFrame, exception};
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
+    use core::mem::MaybeUninit;
     use fivebar_firmware::board::instructions::InstructionCounter;
+    use fivebar_firmware::board::shared_controller::{Exchanged, Place, place};
     use fivebar_firmware::board::{clocks, serial, stack};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
@@ -30,7 +32,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        controller: Controller,
+        controller: &'static mut Controller,
     }
 
     #[local]
@@ -39,8 +41,9 @@ mod app {
         arrived: Producer<'static, HostMessage>,
         commands: Consumer<'static, HostMessage>,
         sender: serial::Sender,
-        planner: Planner,
-        session: Session,
+        spare: &'static mut Controller,
+        planner: &'static mut Planner,
+        session: &'static mut Session,
         lockstep: Lockstep,
     }
 
@@ -84,6 +87,9 @@ mod app {
     #[init(local = [
         buffers: serial::Buffers = serial::Buffers::new(),
         queue: Queue<HostMessage, 4> = Queue::new(),
+        controllers: [Place; 2] = [const { Place::uninit() }; 2],
+        place_of_planner: Planner = Planner::NONE,
+        place_of_session: MaybeUninit<Session> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The emulator has no clock control and runs from the internal oscillator.
@@ -98,18 +104,22 @@ mod app {
         let Ok(settings) = Settings::BENCHTOP.check() else {
             panic!("the benchtop arm's settings are valid");
         };
+        let planner = cx.local.place_of_planner;
+        planner.reset(&settings);
+        let [controller, spare] = cx.local.controllers;
+        let controller = place(controller, &settings);
         let local = Local {
             receiver,
             arrived,
             commands,
             sender,
-            planner: Planner::new(&settings),
-            session: Session::new(identity, &settings, false),
+            spare: place(spare, &settings),
+            planner,
+            session: session::place(cx.local.place_of_session, identity, &settings, false),
             lockstep: Lockstep {
                 counter: InstructionCounter::new(cx.core.SYST),
             },
         };
-        let controller = Controller::new(&settings);
         (Shared { controller }, local)
     }
 
@@ -129,22 +139,24 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller], local = [commands, sender, planner, session, lockstep])]
-    fn converse(mut cx: converse::Context) -> ! {
+    #[idle(shared = [controller], local = [commands, sender, spare, planner, session, lockstep])]
+    fn converse(cx: converse::Context) -> ! {
         let local = cx.local;
+        let mut controller = Exchanged {
+            lock: cx.shared.controller,
+            spare: local.spare,
+        };
         loop {
             if let Some(message) = local.commands.dequeue() {
-                let answer = local.session.answer(
-                    &message,
-                    &mut cx.shared.controller,
-                    local.planner,
-                    local.lockstep,
-                );
+                let answer =
+                    local
+                        .session
+                        .answer(&message, &mut controller, local.planner, local.lockstep);
                 if let Some(frame) = answer {
                     local.sender.send(&frame);
                 }
             }
-            if let Some(frame) = local.session.telemetry(&mut cx.shared.controller) {
+            if let Some(frame) = local.session.telemetry(&mut controller) {
                 local.sender.send(&frame);
             }
             // Sleeps until the next byte. A byte that has come since the check wakes it at once.

@@ -25,6 +25,7 @@ use fivebar_firmware::board::{clocks, pwm, serial, tool};
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
+    use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicBool, Ordering};
     use cortex_m::peripheral::NVIC;
     use fivebar_firmware::board::analog::CurrentsAndBus;
@@ -37,14 +38,14 @@ mod app {
     use fivebar_firmware::board::pwm::{PwmTimer, TICK_CYCLES};
     use fivebar_firmware::board::self_test::Started;
     use fivebar_firmware::board::sensors::Sensors;
-    use fivebar_firmware::board::services::{BoardServices, RECORDER};
+    use fivebar_firmware::board::services::{self, BoardServices, RECORDER};
+    use fivebar_firmware::board::shared_controller::{Exchanged, Place, place};
     use fivebar_firmware::board::watchdog::Tasks;
     use fivebar_firmware::board::{brown_out, post_mortem, pwm, serial, tool};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
-    use fivebar_firmware::safety::Fault;
-    use fivebar_firmware::session::{Session, fault_at_start};
-    use fivebar_firmware::{Controller, Request, SensorSample, Settings};
+    use fivebar_firmware::session::{self, Board as _, Session, fault_at_start};
+    use fivebar_firmware::{Controller, Request, SensorSample};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
 
@@ -55,7 +56,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        controller: Controller,
+        controller: &'static mut Controller,
         /// The sample of the last tick.
         sample: SensorSample,
     }
@@ -69,8 +70,9 @@ mod app {
         arrived: Producer<'static, HostMessage>,
         commands: Consumer<'static, HostMessage>,
         sender: serial::Sender,
-        planner: Planner,
-        session: Session,
+        spare: &'static mut Controller,
+        planner: &'static mut Planner,
+        session: &'static mut Session,
         services: BoardServices,
         log: EventLog,
         source: Source,
@@ -79,6 +81,9 @@ mod app {
     #[init(local = [
         buffers: serial::Buffers = serial::Buffers::new(),
         queue: Queue<HostMessage, 4> = Queue::new(),
+        controllers: [Place; 2] = [const { Place::uninit() }; 2],
+        place_of_planner: Planner = Planner::NONE,
+        place_of_session: MaybeUninit<Session> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (device, mut core) = (cx.device, cx.core);
@@ -119,22 +124,19 @@ mod app {
         );
         let (arrived, commands) = cx.local.queue.split();
 
-        let (services, stored) = BoardServices::start(
-            device.FLASH,
-            device.IWDG,
-            tool_timer,
-            Started {
-                clocks,
-                brown_out,
-                hung,
-            },
-        );
-        let (Ok(settings), stored) = (match stored {
-            Ok(settings) => (Ok(settings), None),
-            Err(error) => (Settings::BENCHTOP.check(), Some(error)),
-        }) else {
-            panic!("the benchtop arm's settings are valid");
+        let mut storage = services::open(device.FLASH);
+        let mut settings = services::benchtop();
+        let missing = services::load(&mut storage, &mut settings).err();
+        let settings = &settings;
+        let started = Started {
+            clocks,
+            brown_out,
+            hung,
         };
+        let mut services = BoardServices::start(storage, device.IWDG, tool_timer, started);
+        if missing.is_none() {
+            services.use_settings(settings);
+        }
         let crystal_runs = source == Source::Crystal;
         CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
         defmt::info!("started after a reset: {}", reset);
@@ -144,6 +146,13 @@ mod app {
             clocks::start_slow_tick(&mut core.SYST);
         }
         let identity = Identity::new(Board::Stm32f405, reset);
+        let planner = cx.local.place_of_planner;
+        planner.reset(settings);
+        let [controller, spare] = cx.local.controllers;
+        let controller = place(controller, settings);
+        if let Some(fault) = fault_at_start(crystal_runs, reset, missing) {
+            controller.latch_fault(fault);
+        }
         let local = Local {
             sensors,
             outputs,
@@ -152,18 +161,18 @@ mod app {
             arrived,
             commands,
             sender,
-            planner: Planner::new(&settings),
-            session: Session::new(identity, &settings, stored.is_none()),
+            spare: place(spare, settings),
+            planner,
+            session: session::place(
+                cx.local.place_of_session,
+                identity,
+                settings,
+                missing.is_none(),
+            ),
             services,
             log: EventLog::new(),
             source,
         };
-        // The last of all: what is made before it would stand between it and its place, and cost the
-        // stack another controller.
-        let mut controller = Controller::new(&settings);
-        if let Some(fault) = fault_at_start(crystal_runs, reset, stored) {
-            controller.latch_fault(fault);
-        }
         let sample = SensorSample::default();
         (Shared { controller, sample }, local)
     }
@@ -196,10 +205,11 @@ mod app {
             let sample = sensors.sample(missed, stopped);
             cx.shared.sample.lock(|latest| *latest = sample);
             cx.shared.controller.lock(|controller| {
-                if CLOCK_FAILED.load(Ordering::Relaxed) {
-                    controller.latch_fault(Fault::ClockFailure);
-                }
-                let command = controller.tick(&sample);
+                let command = if CLOCK_FAILED.load(Ordering::Relaxed) {
+                    controller.tick_without_clock(&sample)
+                } else {
+                    controller.tick(&sample)
+                };
                 outputs.apply(&command);
                 RECORDER.record(&sample, &command, controller.ticks());
                 outputs.timer.rearm_break();
@@ -228,17 +238,22 @@ mod app {
         });
     }
 
-    #[idle(shared = [controller, sample], local = [commands, sender, planner, session, services, log, source])]
-    fn converse(mut cx: converse::Context) -> ! {
+    #[idle(shared = [controller, sample], local = [commands, sender, spare, planner, session, services, log, source])]
+    fn converse(cx: converse::Context) -> ! {
         let local = cx.local;
         if *local.source == Source::Crystal {
             pwm::start();
         }
+        let mut sample = cx.shared.sample;
+        let mut shared = Exchanged {
+            lock: cx.shared.controller,
+            spare: local.spare,
+        };
+        let controller = &mut shared;
         loop {
-            let controller = &mut cx.shared.controller;
             if let Some(message) = local.commands.dequeue() {
                 let session = &mut *local.session;
-                local.services.sample = cx.shared.sample.lock(|latest| *latest);
+                local.services.sample = sample.lock(|latest| *latest);
                 if let Some(frame) =
                     session.answer(&message, controller, local.planner, local.services)
                 {

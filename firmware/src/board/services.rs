@@ -21,7 +21,7 @@ pub static RECORDER: Recorder = Recorder::new();
 
 /// The settings' storage, and the watchdog, whose timeout is longer while settings are written.
 pub struct BoardServices {
-    storage: Option<SettingsStorage<SettingsFlash>>,
+    storage: Option<Storage>,
     tool: ToolTimer,
     /// Refreshed when all tasks have advanced.
     pub watchdog: Watchdog,
@@ -33,43 +33,62 @@ pub struct BoardServices {
 }
 
 impl BoardServices {
-    /// Opens the storage, sets the tool's timer up and starts the watchdog. Also returns the stored
-    /// settings, if this board can use them.
+    /// Starts the watchdog: after the stored settings were read, because that may erase a sector.
     pub fn start(
-        flash: FLASH,
+        storage: Option<Storage>,
         watchdog: IWDG,
-        mut tool: ToolTimer,
+        tool: ToolTimer,
         started: Started,
-    ) -> (Self, Result<CheckedSettings, StorageError>) {
-        let (storage, settings) =
-            match SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE) {
-                Ok(mut storage) => {
-                    let settings = storage.load().and_then(|settings| check(&settings));
-                    (Some(storage), settings)
-                }
-                Err(error) => (None, Err(error)),
-            };
-        if let Ok(settings) = &settings {
-            tool.configure(&settings.tool_output);
-        }
-        let services = Self {
+    ) -> Self {
+        Self {
             storage,
             tool,
             watchdog: Watchdog::start(watchdog),
             sample: SensorSample::default(),
             times: TickTimes::new(),
             started,
-        };
-        (services, settings)
+        }
     }
 }
 
-/// Checks stored settings, within this board's bounds.
-fn check(settings: &Settings) -> Result<CheckedSettings, StorageError> {
-    BoardLimits::STM32F405
-        .check(settings)
-        .and_then(|()| settings.check())
-        .map_err(|_| StorageError::Corrupt)
+/// The settings' storage.
+pub type Storage = SettingsStorage<SettingsFlash>;
+
+/// Opens the storage.
+pub fn open(flash: FLASH) -> Option<Storage> {
+    SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE).ok()
+}
+
+/// Puts the stored settings in the place of these, if this board can use them.
+///
+/// # Errors
+/// Why it cannot.
+// A call of its own, as those that make the controllers: none takes the other's stack.
+#[inline(never)]
+pub fn load(
+    storage: &mut Option<Storage>,
+    settings: &mut CheckedSettings,
+) -> Result<(), StorageError> {
+    let storage = storage.as_mut().ok_or(StorageError::Range)?;
+    check(&storage.load()?, settings)
+}
+
+/// The settings of a board on which none were stored.
+#[inline(never)]
+pub fn benchtop() -> CheckedSettings {
+    let Ok(settings) = Settings::BENCHTOP.check() else {
+        panic!("the benchtop arm's settings are valid");
+    };
+    settings
+}
+
+/// Checks stored settings, within this board's bounds, and puts them in the place of those in use.
+#[inline(never)]
+fn check(stored: &Settings, settings: &mut CheckedSettings) -> Result<(), StorageError> {
+    let bounded = BoardLimits::STM32F405.check(stored);
+    let checked = bounded.and_then(|()| stored.check());
+    *settings = checked.map_err(|_| StorageError::Corrupt)?;
+    Ok(())
 }
 
 impl Board for BoardServices {

@@ -129,20 +129,40 @@ impl Crossing {
             torque: [0.0; 2],
         }
     }
+}
 
-    /// Angles [rad], velocities [rad/s] and accelerations [rad/s²] at a share of a piece.
-    #[inline(always)]
-    fn joints_on(&self, joints: &[Vector2<f32>; 6], u: f32) -> [Vector2<f32>; 3] {
-        let [c0, c1, c2, c3, c4, c5] = joints;
-        // Horner's scheme thrice over.
-        let (p, d) = (c5 * u + c4, *c5);
-        let (p, d, e) = (p * u + c3, d * u + p, *c5);
-        let (p, d, e) = (p * u + c2, d * u + p, e * u + d);
-        let (p, d, e) = (p * u + c1, d * u + p, e * u + d);
-        let (p, d, e) = (p * u + c0, d * u + p, e * u + d);
-        let per_time = self.per_piece;
-        [p, d * per_time, e * (2.0 * per_time * per_time)]
+/// A place on a plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanPlace {
+    joints: [Vector2<f32>; 6],
+    u: f32,
+    per_piece: f32,
+}
+
+impl PlanPlace {
+    /// The set-point there.
+    pub(super) fn setpoint(&self) -> Setpoint {
+        let [angle, omega, alpha] = joints_on(&self.joints, self.u, self.per_piece);
+        Setpoint {
+            direction: Vector2::units(angle.into()),
+            omega: omega.into(),
+            alpha: alpha.into(),
+        }
     }
+}
+
+/// Angles [rad], velocities [rad/s] and accelerations [rad/s²] at a share of a piece, of which `per_piece`
+/// pass in a second.
+#[inline(always)]
+fn joints_on(joints: &[Vector2<f32>; 6], u: f32, per_piece: f32) -> [Vector2<f32>; 3] {
+    let [c0, c1, c2, c3, c4, c5] = joints;
+    // Horner's scheme thrice over.
+    let (p, d) = (c5 * u + c4, *c5);
+    let (p, d, e) = (p * u + c3, d * u + p, *c5);
+    let (p, d, e) = (p * u + c2, d * u + p, e * u + d);
+    let (p, d, e) = (p * u + c1, d * u + p, e * u + d);
+    let (p, d, e) = (p * u + c0, d * u + p, e * u + d);
+    [p, d * per_piece, e * (2.0 * per_piece * per_piece)]
 }
 
 /// The polynomials Σ ck u^k of a pair of values, as a segment: u is the share of its piece.
@@ -170,8 +190,8 @@ impl<D: Drives> ArmController<D> {
     pub(crate) fn store_crossing(&mut self, piece: usize, plan: [&TrajectorySegment<f32>; 2]) {
         if self.is_free() {
             let [joints, torques] = plan;
-            self.path.store(2 * piece, *joints);
-            self.path.store(2 * piece + 1, *torques);
+            self.path.store(2 * piece, joints);
+            self.path.store(2 * piece + 1, torques);
         }
     }
 
@@ -246,19 +266,20 @@ impl<D: Drives> ArmController<D> {
     }
 
     /// Where the joints should be now: on the plan, the laws' lag ago.
-    pub(super) fn crossing_reference(&self) -> Setpoint {
+    pub(super) fn crossing_reference(&self) -> PlanPlace {
         let crossing = &self.crossing;
         let lag = (self.model.lag + CROSSING_LAG) * self.settings.control.tick_rate;
         let pieces = crossing.times.rate * (crossing.ticks as f32 - lag).max(0.0);
         let piece = pieces as usize;
-        let still = [crossing.angle.into(), Vector2::zeros(), Vector2::zeros()];
-        let [angle, omega, alpha] = coefficients(&self.path, 2 * piece).map_or(still, |joints| {
-            crossing.joints_on(joints, pieces - piece as f32)
-        });
-        Setpoint {
-            direction: Vector2::units(angle.into()),
-            omega: omega.into(),
-            alpha: alpha.into(),
+        let zero = Vector2::zeros();
+        let (joints, u) = match coefficients(&self.path, 2 * piece) {
+            Some(joints) => (*joints, pieces - piece as f32),
+            None => ([crossing.angle.into(), zero, zero, zero, zero, zero], 0.0),
+        };
+        PlanPlace {
+            joints,
+            u,
+            per_piece: crossing.per_piece,
         }
     }
 
@@ -387,7 +408,7 @@ impl<D: Drives> ArmController<D> {
             return [0.0; 2];
         };
         let u = pieces - piece as f32;
-        let [angle, omega, alpha] = crossing.joints_on(joints, u);
+        let [angle, omega, alpha] = joints_on(joints, u, crossing.per_piece);
         crossing.angle = angle.into();
         setpoint.omega = omega.into();
         setpoint.alpha = alpha.into();

@@ -125,6 +125,16 @@ impl Encoder {
     }
 }
 
+/// What encoders with a known error show where the joints are at these angles [rad]; 0 without one.
+pub(super) fn shown_at(settings: &Settings, angles: [f32; 2]) -> [f32; 2] {
+    let ([encoder1, encoder4], [angle1, angle4]) = (&encoders(settings), angles);
+    [(encoder1, angle1), (encoder4, angle4)].map(|(encoder, angle)| {
+        encoder
+            .as_ref()
+            .map_or(0.0, |encoder| encoder.shown_at(angle))
+    })
+}
+
 /// The encoders of both joints that have a known error.
 pub(super) fn encoders(settings: &Settings) -> [Option<Encoder>; 2] {
     let ([table1, table4], [axis1, axis4]) = (&settings.encoder_tables, &settings.axes);

@@ -231,6 +231,8 @@ impl<D: Drives> ArmController<D> {
     ///
     /// # Errors
     /// The present state, unchanged, if it does not accept the event.
+    // Inlined, so that each event compiles to its own case: a tick calls it, or waits for it.
+    #[inline(always)]
     pub(super) fn switch_off(&mut self, event: Event) -> Result<(), State> {
         if !self.waits_for_brake() {
             return self.dispatch(event);

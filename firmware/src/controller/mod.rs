@@ -48,7 +48,8 @@ use path::{Path, PathOutput};
 pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub(crate) use path::{least_rest, stopping_time};
 pub use planning::{Hold, PlanningSnapshot};
-pub use request::{Request, RequestError};
+pub use report::StatusSample;
+pub use request::{Posture, Request, RequestError, Stance};
 use rest::Rest;
 use setpoint::Setpoint;
 pub use status::{JointReference, Snapshot, Status};
@@ -111,45 +112,75 @@ pub struct ArmController<D: Drives> {
     crossing: Crossing,
 }
 
-impl<D: Drives> ArmController<D> {
-    /// A controller for the arm of these settings, in the state Stopped and not homed.
-    pub fn new(settings: &CheckedSettings) -> Self {
-        Self {
-            waking: model::wake_up_ticks::<D>(settings),
-            drives: D::new(settings),
-            model: Model::new::<D>(settings),
-            encoders: encoder::encoders(settings),
-            settings: **settings,
-            joints: [Joint::new(), Joint::new()],
-            brake: HoldingBrake::new(&settings.brake, settings.control.tick_rate),
-            landmarks: Landmarks::of(settings),
-            begun: false,
-            state: State::Stopped,
-            homed: false,
-            homed_by_index: false,
-            mode: settings.working_mode(),
-            latched: None,
-            controlled_stop: false,
-            at_rest: false,
-            path: Path::new(
-                stopping_time(settings),
-                1.0 / settings.control.tick_rate,
-                PathOutput::new(settings),
-            ),
-            pending_stop: None,
-            pending_off: None,
-            setpoint: Setpoint::hold([Vector2::zeros(); 2]),
-            homing: [HomingState::new(0.0); 2],
-            excitation: ExcitationState::none(settings.control.tick_rate),
-            crossing: Crossing::none(),
-            error: [0.0; 2],
-            rest: Rest::new(),
-            limits: Limits::empty(),
-            ticks: 0,
-            missed_ticks: 0,
-            heard_at: 0,
-            path_generation: 0,
+/// Writes the values of a new controller twice: as a controller, and each in its place in an old one. So
+/// neither takes the stack of another controller, and neither can forget a field.
+macro_rules! fresh_controller {
+    ($checked:ident; $($field:ident: $value:expr,)*) => {
+        impl<D: Drives> ArmController<D> {
+            /// A controller for the arm of these settings, in the state Stopped and not homed.
+            pub fn new($checked: &CheckedSettings) -> Self {
+                Self { $($field: $value,)* }
+            }
+
+            /// Becomes what [`ArmController::new`] makes, in place.
+            // A call of its own: what checks the settings before does not take its stack.
+            #[inline(never)]
+            pub fn reset(&mut self, $checked: &CheckedSettings) {
+                let Self { $($field,)* } = self;
+                $(*$field = $value;)*
+            }
         }
+    };
+}
+
+fresh_controller! { checked;
+    joints: [Joint::new(), Joint::new()],
+    drives: D::new(checked),
+    setpoint: Setpoint::hold([Vector2::zeros(); 2]),
+    error: [0.0; 2],
+    ticks: 0,
+    heard_at: 0,
+    rest: Rest::new(),
+    waking: model::wake_up_ticks::<D>(checked),
+    state: State::Stopped,
+    brake: HoldingBrake::new(&checked.brake, checked.control.tick_rate),
+    mode: checked.working_mode(),
+    limits: Limits::empty(),
+    begun: false,
+    homed: false,
+    homed_by_index: false,
+    controlled_stop: false,
+    at_rest: false,
+    pending_stop: None,
+    pending_off: None,
+    model: Model::new::<D>(checked),
+    path: Path::new(
+        stopping_time(checked),
+        1.0 / checked.control.tick_rate,
+        PathOutput::new(checked),
+    ),
+    encoders: encoder::encoders(checked),
+    settings: **checked,
+    homing: [HomingState::new(0.0); 2],
+    landmarks: Landmarks::of(checked),
+    excitation: ExcitationState::none(checked.control.tick_rate),
+    latched: None,
+    missed_ticks: 0,
+    path_generation: 0,
+    crossing: Crossing::none(),
+}
+
+impl<D: Drives> ArmController<D> {
+    /// Hands the motors' heat over to a new controller that takes the place of this one, if this one is stopped.
+    ///
+    /// # Errors
+    /// The state of this one.
+    pub fn hand_over(&self, new: &mut Self) -> Result<(), State> {
+        if self.state != State::Stopped {
+            return Err(self.state);
+        }
+        new.keep_heat(self);
+        Ok(())
     }
 
     /// Takes the motors' heat over from the controller in use before: new settings cool no motor.

@@ -70,6 +70,8 @@ pub(crate) struct AxisModel {
     pub(crate) servo: Servo,
     /// The servo of each stage.
     servos: [Servo; SHARES.len()],
+    /// The servo of an arm that crosses a singularity.
+    crossing: Servo,
     /// The stage whose servo is in use.
     pub(crate) stage: Stage,
     /// Greatest error of a joint that comes to rest or rests [rad].
@@ -154,10 +156,8 @@ impl AxisModel {
     }
 
     /// Gives the joint the servo of an arm that crosses a singularity.
-    pub(crate) fn cross<D: Drives>(&mut self, axis: &AxisSettings, control: &ControlSettings) {
-        // The prediction bridges the encoder's latency, too.
-        let lag = D::lag(control, Stage::Crosses) + axis.encoder_latency + CROSSING_LAG;
-        self.servo = Servo::new(control, CROSSING, lag);
+    pub(crate) fn cross(&mut self) {
+        self.servo = self.crossing;
         self.stage = Stage::Crosses;
     }
 
@@ -181,6 +181,11 @@ impl AxisModel {
         Self {
             servo: servos[0],
             servos,
+            crossing: Servo::new(
+                control,
+                CROSSING,
+                D::lag(control, Stage::Crosses) + axis.encoder_latency + CROSSING_LAG,
+            ),
             stage: Stage::Moves,
             rest_error: REST_COUNTS * Scalar::abs(radians_per_count),
             friction: FrictionCompensation::new(

@@ -83,7 +83,7 @@ impl<D: Drives> ArmController<D> {
     /// is dropped if it was planned to follow a path that has been dropped since, if the queue
     /// is full, or if the arm follows no path in this state; the next snapshot shows each of
     /// these.
-    pub fn extend_path(&mut self, path_generation: u32, queued: QueuedSegment) {
+    pub fn extend_path(&mut self, path_generation: u32, queued: &QueuedSegment) {
         let follows = self.state.follows_paths() && !self.brake.is_ending();
         if follows && path_generation == self.path_generation {
             self.path.push(queued);

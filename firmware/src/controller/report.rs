@@ -1,12 +1,36 @@
 //! The controller's status, computed when it is asked for and outside the tick.
+//!
+//! A reader locks the controller while it copies [`StatusSample`], and solves the poses in it
+//! afterwards: the tick does not wait for that.
 
+use super::crossing::PlanPlace;
 use super::setpoint::Setpoint;
 use super::{ArmController, JointReference, Snapshot, Status};
 use crate::drives::Drives;
 use crate::safety::State;
+use crate::settings::{Settings, Share};
 use fivebar_kinematics::PlanarVector;
-use fivebar_kinematics::five_bar::WorkingMode;
+use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
 use nalgebra::Vector2;
+
+/// The status with its poses still to be solved.
+#[derive(Clone, Copy, Debug)]
+pub struct StatusSample {
+    /// Without `tool`, `tool_level` and the references.
+    status: Status,
+    reference: Option<ReferenceNow>,
+    tool_output: Share,
+    assembly: Side,
+}
+
+/// Where the joints should be now.
+#[derive(Clone, Copy, Debug)]
+enum ReferenceNow {
+    /// This set-point leads by the drives' lag [s].
+    Ahead { setpoint: Setpoint, lag: f32 },
+    /// On the plan of a crossing.
+    Planned(PlanPlace),
+}
 
 impl<D: Drives> ArmController<D> {
     /// Ticks since the reset.
@@ -16,9 +40,20 @@ impl<D: Drives> ArmController<D> {
 
     /// The controller after the last tick.
     pub fn status(&self) -> Status {
+        self.status_sample().solve(&self.settings, &self.model.tool)
+    }
+
+    /// A copy of what the status needs.
+    pub fn status_sample(&self) -> StatusSample {
+        let reference = self.is_powered().then(|| match self.state {
+            State::Crossing => ReferenceNow::Planned(self.crossing_reference()),
+            _ => ReferenceNow::Ahead {
+                setpoint: self.setpoint,
+                lag: self.model.lag,
+            },
+        });
         let drives = self.drives.report();
-        let reference = self.is_powered().then(|| self.reference_now());
-        Status {
+        let status = Status {
             tick: self.ticks,
             missed_ticks: self.missed_ticks,
             state: self.state,
@@ -27,23 +62,22 @@ impl<D: Drives> ArmController<D> {
             homed: self.homed,
             angle: self.angles(),
             velocity: self.velocities(),
-            tool: self
-                .homed
-                .then(|| self.tool_at(self.angles().map(Vector2::unit)))
-                .flatten(),
-            reference: reference.and_then(|now| self.tool_at(now.direction)),
-            joint_reference: reference.map(|now| JointReference {
-                angle: now.direction.map(Vector2::polar_angle),
-                velocity: now.omega,
-                acceleration: now.alpha,
-            }),
+            tool: None,
+            reference: None,
+            joint_reference: None,
             torque: self.torques(),
             current_demand: drives.current_demand,
             current: drives.current,
             duty: drives.duty,
             bus_voltage: drives.bus_voltage,
             tag: self.crossing_tag().or_else(|| self.path.tag()),
-            tool_level: self.settings.tool_output.level(self.path.tool_output()),
+            tool_level: 0.0,
+        };
+        StatusSample {
+            status,
+            reference,
+            tool_output: self.path.tool_output(),
+            assembly: self.model.assembly,
         }
     }
 
@@ -74,36 +108,59 @@ impl<D: Drives> ArmController<D> {
             bus_voltage: drives.bus_voltage,
         })
     }
+}
 
-    /// Where the joints should be now: the set-point leads by the drives' lag d, so it
-    /// is turned back by ω d − ½ α d².
-    fn reference_now(&self) -> Setpoint {
-        if self.state == State::Crossing {
-            return self.crossing_reference();
-        }
-        let lag = self.model.lag;
-        let Setpoint {
-            direction: [d1, d4],
-            omega: [omega1, omega4],
-            alpha: [alpha1, alpha4],
-        } = self.setpoint;
-        let back = |direction: Vector2<f32>, omega: f32, alpha: f32| {
-            direction.to_base_frame(Vector2::unit(-lag * (omega - 0.5 * lag * alpha)))
-        };
-        Setpoint {
-            direction: [back(d1, omega1, alpha1), back(d4, omega4, alpha4)],
-            ..self.setpoint
+impl StatusSample {
+    /// The status of the arm of these settings, with this tool.
+    pub fn solve(&self, settings: &Settings, tool: &Tool<f32>) -> Status {
+        let Status { homed, angle, .. } = self.status;
+        let reference = self.reference.map(ReferenceNow::setpoint);
+        Status {
+            tool: homed
+                .then(|| self.tool_at(tool, angle.map(Vector2::unit)))
+                .flatten(),
+            reference: reference.and_then(|now| self.tool_at(tool, now.direction)),
+            joint_reference: reference.map(|now| JointReference {
+                angle: now.direction.map(Vector2::polar_angle),
+                velocity: now.omega,
+                acceleration: now.alpha,
+            }),
+            tool_level: settings.tool_output.level(self.tool_output),
+            ..self.status
         }
     }
 
     /// The tool [m] with the driven links in these directions.
-    fn tool_at(&self, [u1, u4]: [Vector2<f32>; 2]) -> Option<[f32; 2]> {
-        let geometry = self.model.tool.geometry();
-        let pose = geometry
-            .forward_from_directions(u1, u4, self.model.assembly)
+    fn tool_at(&self, tool: &Tool<f32>, [u1, u4]: [Vector2<f32>; 2]) -> Option<[f32; 2]> {
+        let pose = tool
+            .geometry()
+            .forward_from_directions(u1, u4, self.assembly)
             .ok()?;
-        let point = self.model.tool.point(&pose);
+        let point = tool.point(&pose);
         Some([point.x, point.y])
+    }
+}
+
+impl ReferenceNow {
+    /// A set-point that leads by the lag d is turned back by ω d − ½ α d².
+    fn setpoint(self) -> Setpoint {
+        match self {
+            Self::Planned(place) => place.setpoint(),
+            Self::Ahead { setpoint, lag } => {
+                let Setpoint {
+                    direction: [d1, d4],
+                    omega: [omega1, omega4],
+                    alpha: [alpha1, alpha4],
+                } = setpoint;
+                let back = |direction: Vector2<f32>, omega: f32, alpha: f32| {
+                    direction.to_base_frame(Vector2::unit(-lag * (omega - 0.5 * lag * alpha)))
+                };
+                Setpoint {
+                    direction: [back(d1, omega1, alpha1), back(d4, omega4, alpha4)],
+                    ..setpoint
+                }
+            }
+        }
     }
 }
 
@@ -124,10 +181,11 @@ mod tests {
         controller.setpoint.alpha = alpha;
         let d = controller.model.lag;
         assert!(d > 1e-4, "{d} s");
-        let found = controller
-            .reference_now()
-            .direction
-            .map(Vector2::polar_angle);
+        let now = ReferenceNow::Ahead {
+            setpoint: controller.setpoint,
+            lag: d,
+        };
+        let found = now.setpoint().direction.map(Vector2::polar_angle);
         for (((found, angle), omega), alpha) in found.into_iter().zip(angle).zip(omega).zip(alpha) {
             let expected = angle - omega * d + 0.5 * alpha * d * d;
             assert!((found - expected).abs() < 5e-7, "{found} for {expected}");

@@ -1,10 +1,10 @@
 //! Requests of the host, and why one can be refused.
 
-use super::{ArmController, Excitation, Setpoint};
+use super::{ArmController, Excitation, Setpoint, encoder};
 use crate::drives::Drives;
 use crate::safety::{Event, Fault, State};
-use crate::settings::HomingMethod;
-use fivebar_kinematics::five_bar::Pose;
+use crate::settings::{HomingMethod, Settings};
+use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -91,64 +91,143 @@ impl core::fmt::Display for RequestError {
 
 impl core::error::Error for RequestError {}
 
+/// The joint angles of a request. The reader solves them, so that the controller is locked only while they
+/// are copied.
+#[derive(Clone, Copy, Debug)]
+pub struct Posture {
+    /// θ1, θ4 [rad].
+    angles: [f32; 2],
+    assembly: Side,
+}
+
+/// A posture in which the arm may be armed.
+#[derive(Clone, Copy, Debug)]
+pub struct Stance {
+    /// u(θ1), u(θ4).
+    direction: [Vector2<f32>; 2],
+    mode: WorkingMode,
+    /// What encoders with a known error show there.
+    shown: [f32; 2],
+}
+
+impl Posture {
+    /// The stance, if the arm of these settings, with this tool, may be armed there.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn stance(&self, settings: &Settings, tool: &Tool<f32>) -> Result<Stance, RequestError> {
+        let [theta1, theta4] = self.angles;
+        let within = settings.axes.iter().zip(self.angles).all(|(axis, theta)| {
+            let [low, high] = axis.angle_limits;
+            low <= theta && theta <= high
+        });
+        if !within {
+            return Err(RequestError::OutsideLimits);
+        }
+        let pose = tool
+            .geometry()
+            .forward_from_directions(Vector2::unit(theta1), Vector2::unit(theta4), self.assembly)
+            .map_err(|_| RequestError::NotOnBranch)?;
+        // Near type 1 the joints still determine the arm's position, so it may be armed there.
+        if Scalar::abs(pose.sin32()) < settings.motion.singularity_margin {
+            return Err(RequestError::NearSingularity);
+        }
+        Ok(Stance {
+            direction: [pose.u1, pose.u4],
+            mode: tool.working_mode(&pose),
+            shown: encoder::shown_at(settings, self.angles),
+        })
+    }
+}
+
 impl<D: Drives> ArmController<D> {
     /// Executes a request. Counts as a sign of life of the host.
     ///
     /// # Errors
     /// Why the request is refused; nothing has changed then.
     pub fn request(&mut self, request: Request) -> Result<(), RequestError> {
+        let posture = self.posture(request);
+        let stance = posture.map(|posture| posture.stance(&self.settings, &self.model.tool));
+        self.execute(request, stance)
+    }
+
+    /// The joint angles that a request needs to be solved before it is executed.
+    pub fn posture(&self, request: Request) -> Option<Posture> {
+        let angles = match request {
+            Request::Arm => self.angles(),
+            Request::SetAngles(angles) => angles,
+            _ => return None,
+        };
+        Some(Posture {
+            angles,
+            assembly: self.model.assembly,
+        })
+    }
+
+    /// Executes a request with its solved posture, if it has one.
+    ///
+    /// # Errors
+    /// Why the request is refused; nothing has changed then.
+    pub fn execute(
+        &mut self,
+        request: Request,
+        stance: Option<Result<Stance, RequestError>>,
+    ) -> Result<(), RequestError> {
         self.feed_host_timeout();
+        let stance = stance.unwrap_or(Err(RequestError::NotHomed));
         let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
         if powers && self.state == State::Stopped && !self.drives.is_ready() {
             return Err(RequestError::CurrentZero);
         }
-        let event = match request {
+        // Each request has its own call, so that only its own transition is compiled behind it.
+        let dispatched = match request {
             Request::Arm => {
-                self.prepare_to_hold()?;
+                self.prepare_to_hold(stance)?;
                 self.stay_armed();
-                Event::Arm
+                self.dispatch(Event::Arm)
             }
             Request::Excite(excitation) => {
                 if self.state != State::Stopped {
                     return Err(RequestError::State(self.state));
                 }
                 self.prepare_excitation(&excitation)?;
-                Event::Excite
+                self.dispatch(Event::Excite)
             }
-            Request::Disarm => return self.switch_off(Event::Disarm).map_err(RequestError::State),
+            Request::Disarm => self.switch_off(Event::Disarm),
             Request::Home => {
                 self.require_rest_for_given_angles()?;
-                Event::Home
+                self.dispatch(Event::Home)
             }
-            Request::SetAngles(angles) => return self.set_angles(angles),
-            Request::Stop if self.state == State::Homing => {
-                return self.switch_off(Event::Stop).map_err(RequestError::State);
-            }
-            Request::Stop => Event::Stop,
+            Request::SetAngles(angles) => return self.set_angles(angles, stance),
+            Request::Stop if self.state == State::Homing => self.switch_off(Event::Stop),
+            Request::Stop => self.dispatch(Event::Stop),
             Request::EmergencyStop => {
                 self.latch_fault(Fault::EmergencyStop);
                 return Ok(());
             }
             Request::ClearFault if self.moves_under_fault() => return Err(RequestError::Moving),
-            Request::ClearFault => {
-                return self.switch_off(Event::Clear).map_err(RequestError::State);
-            }
+            Request::ClearFault => self.switch_off(Event::Clear),
         };
-        self.dispatch(event).map_err(RequestError::State)
+        dispatched.map_err(RequestError::State)
     }
 
     /// Sets the set-point to the arm's present position, if it may be armed there. An arm that
     /// is armed already keeps its set-point.
-    fn prepare_to_hold(&mut self) -> Result<(), RequestError> {
+    fn prepare_to_hold(
+        &mut self,
+        stance: Result<Stance, RequestError>,
+    ) -> Result<(), RequestError> {
         if self.state != State::Stopped {
             return Ok(());
         }
         if !self.homed {
             return Err(RequestError::NotHomed);
         }
-        let pose = self.pose_to_arm(self.angles())?;
-        self.mode = self.model.tool.working_mode(&pose);
-        self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
+        let Stance {
+            direction, mode, ..
+        } = stance?;
+        self.mode = mode;
+        self.setpoint = Setpoint::hold(direction);
         Ok(())
     }
 
@@ -165,59 +244,33 @@ impl<D: Drives> ArmController<D> {
         Ok(())
     }
 
-    fn set_angles(&mut self, angles: [f32; 2]) -> Result<(), RequestError> {
+    fn set_angles(
+        &mut self,
+        angles: [f32; 2],
+        stance: Result<Stance, RequestError>,
+    ) -> Result<(), RequestError> {
         if self.state != State::Stopped {
             return Err(RequestError::State(self.state));
         }
-        let pose = self.pose_to_arm(angles)?;
-        if self.model.tool.working_mode(&pose) != self.settings.working_mode() {
+        let stance = stance?;
+        if stance.mode != self.settings.working_mode() {
             return Err(RequestError::NotOnBranch);
         }
-        for (((joint, axis), encoder), angle) in self
+        for ((((joint, axis), encoder), angle), shown) in self
             .joints
             .iter_mut()
             .zip(&self.model.axes)
             .zip(&mut self.encoders)
             .zip(angles)
+            .zip(stance.shown)
         {
             joint.set_origin(axis, joint.counts(), angle);
             if let Some(encoder) = encoder {
-                encoder.set_origin(angle, encoder.shown_at(angle));
+                encoder.set_origin(angle, shown);
             }
         }
         self.homed = true;
         self.homed_by_index = false;
         Ok(())
-    }
-
-    /// The pose at these joint angles [rad], if the arm may be armed there.
-    fn pose_to_arm(&self, [theta1, theta4]: [f32; 2]) -> Result<Pose<f32>, RequestError> {
-        let settings = &self.settings;
-        let within = settings
-            .axes
-            .iter()
-            .zip([theta1, theta4])
-            .all(|(axis, theta)| {
-                let [low, high] = axis.angle_limits;
-                low <= theta && theta <= high
-            });
-        if !within {
-            return Err(RequestError::OutsideLimits);
-        }
-        let pose = self
-            .model
-            .tool
-            .geometry()
-            .forward_from_directions(
-                Vector2::unit(theta1),
-                Vector2::unit(theta4),
-                self.model.assembly,
-            )
-            .map_err(|_| RequestError::NotOnBranch)?;
-        // Near type 1 the joints still determine the arm's position, so it may be armed there.
-        if Scalar::abs(pose.sin32()) < settings.motion.singularity_margin {
-            return Err(RequestError::NearSingularity);
-        }
-        Ok(pose)
     }
 }

@@ -97,9 +97,8 @@ impl<D: Drives> ArmController<D> {
     /// Gives the arm the gains of one that crosses a singularity, until it moves or settles again.
     pub(super) fn use_crossing_gains(&mut self) {
         self.rest.begin(Stage::Crosses);
-        let control = &self.settings.control;
-        for (axis, settings) in self.model.axes.iter_mut().zip(&self.settings.axes) {
-            axis.cross::<D>(settings, control);
+        for axis in &mut self.model.axes {
+            axis.cross();
         }
         for joint in [0, 1] {
             self.drives.select(joint, Stage::Crosses);

@@ -70,18 +70,13 @@ impl<D: Drives> ArmController<D> {
     /// The work is bounded: the only loops are over the two joints and over at most two
     /// segments of the path.
     pub fn tick(&mut self, sample: &ArmSample<D::Sample>) -> ArmCommand<D::Command> {
-        self.ticks = self.ticks.wrapping_add(1);
-        self.drives.sense(&sample.drives);
         let measurement = self.measure(sample);
         // Every fault that is found before the end of the tick switches the bridges off, and the
         // tick ends with it: so its longest path holds one fault.
         let mode = self.control_mode();
-        if sample.missed_ticks > 0 {
-            self.missed_ticks = self.missed_ticks.wrapping_add(sample.missed_ticks);
-            if sample.missed_ticks > TOLERATED_TICKS && mode.is_powered() {
-                self.overrun(self.unpowered_fault(sample, measurement.innovation));
-                return self.off();
-            }
+        if sample.missed_ticks > TOLERATED_TICKS && mode.is_powered() {
+            self.overrun(self.unpowered_fault(sample, measurement.innovation));
+            return self.off();
         }
         if let ControlMode::Off | ControlMode::Waking = mode {
             return match self.follow_nothing(sample, measurement, mode) {
@@ -126,8 +121,22 @@ impl<D: Drives> ArmController<D> {
         command
     }
 
+    /// Runs a tick while the board's clock has failed: latches that fault, and the bridges are off. A tick of
+    /// its own, so that the longest one does not latch a fault before its work.
+    #[cold]
+    #[inline(never)]
+    pub fn tick_without_clock(&mut self, sample: &ArmSample<D::Sample>) -> ArmCommand<D::Command> {
+        self.latch_fault(Fault::ClockFailure);
+        let measurement = self.measure(sample);
+        self.follow_nothing(sample, measurement, ControlMode::Off);
+        self.off()
+    }
+
     #[inline(always)]
     fn measure(&mut self, sample: &ArmSample<D::Sample>) -> Measurement {
+        self.ticks = self.ticks.wrapping_add(1);
+        self.missed_ticks = self.missed_ticks.wrapping_add(sample.missed_ticks);
+        self.drives.sense(&sample.drives);
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
         let [alpha1, alpha4] = self.setpoint.alpha;

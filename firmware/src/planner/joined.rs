@@ -17,7 +17,7 @@ const SHARE: f32 = 0.2;
 const POINTS: usize = 24;
 
 /// With as many planned segments or fewer the latest line no longer waits.
-const FEW_PLANNED: usize = super::PLANNED_SEGMENTS / 8;
+const FEW_PLANNED: usize = 4;
 
 /// Runs of the planner after which a line no longer waits for one to go on.
 const PATIENCE: u32 = 20;

@@ -25,11 +25,11 @@ use crate::controller::{
 use crate::drives::Drives;
 use crate::motion::{Move, MoveKind};
 use crate::safety::State;
-use crate::settings::{CheckedSettings, ToolOutputSettings};
+use crate::settings::{CheckedSettings, Settings, ToolOutputSettings};
 use check::CheckedMove;
 use crossing_evidence::Evidence;
 use fivebar_kinematics::control::FrictionCompensation;
-use fivebar_kinematics::five_bar::{JointLimits, Side, Workspace};
+use fivebar_kinematics::five_bar::{JointLimits, Side, Tool, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
     Envelope, LookaheadPlanner, MotionLimits, ToolOutput, TorqueLimits,
 };
@@ -43,7 +43,7 @@ pub use error::{LONGEST, MoveError, MoveErrorKind};
 pub use supply::SEGMENTS_PER_RUN;
 
 /// Planned segments in the look-ahead. A move takes one, and two more for a rounded corner.
-pub const PLANNED_SEGMENTS: usize = 39;
+pub const PLANNED_SEGMENTS: usize = 96;
 
 /// Time of path that the controller gets beyond what a stop needs [s].
 const RESERVE: f32 = 0.03;
@@ -125,53 +125,119 @@ struct End {
 }
 
 impl Planner {
+    /// A planner without an arm: a constant, of which [`Planner::reset`] makes one in its place.
+    pub const NONE: Self = Self {
+        envelope: Envelope {
+            workspace: Workspace {
+                tool: Tool::<f32>::NONE,
+                mode: WorkingMode::ALL[0],
+                limits: None,
+                margin: 0.0,
+            },
+            joint_speed: [0.0; 2],
+            joint_acceleration: [0.0; 2],
+            torque: None,
+            tool_motion: MotionLimits {
+                speed: 0.0,
+                acceleration: 0.0,
+                jerk: 0.0,
+            },
+            corner_tolerance: 0.0,
+        },
+        assembly: Side::Left,
+        lookahead: LookaheadPlanner::new(),
+        waiting: None,
+        deviation: 0.0,
+        used_before: 0.0,
+        end: None,
+        in_motion: None,
+        friction: [FrictionCompensation::new(0.0, 0.0, 0.0); 2],
+        peak_torque: [0.0; 2],
+        crossing_allowed: false,
+        evidence: Evidence::NONE,
+        tick_rate: 0.0,
+        path_generation: 0,
+        tool_output: Settings::BENCHTOP.tool_output,
+        least_rest: 0.0,
+        level: 0,
+        horizon: 0.0,
+        slowed: HistoryBuf::new(),
+    };
+
     /// A planner for the arm of these settings.
     pub fn new(settings: &CheckedSettings) -> Self {
+        let mut planner = Self::NONE;
+        planner.reset(settings);
+        planner
+    }
+
+    /// Becomes a planner for the arm of these settings, in its place.
+    pub fn reset(&mut self, settings: &CheckedSettings) {
         let motion = &settings.motion;
         let [axis1, axis4] = &settings.axes;
-        Self {
-            envelope: Envelope {
-                workspace: Workspace {
-                    tool: *settings.tool(),
-                    mode: settings.working_mode(),
-                    limits: JointLimits::new(axis1.angle_limits, axis4.angle_limits).ok(),
-                    margin: motion.singularity_margin,
-                },
-                joint_speed: settings.axes.map(|axis| axis.max_speed),
-                joint_acceleration: settings.axes.map(|axis| axis.max_acceleration),
-                torque: Some(TorqueLimits {
-                    arm: *settings.arm(),
-                    torque: settings.peak_torque().map(|torque| TORQUE_SHARE * torque),
-                }),
-                tool_motion: MotionLimits {
-                    speed: motion.max_speed,
-                    acceleration: motion.max_acceleration,
-                    jerk: motion.max_jerk,
-                },
-                corner_tolerance: motion.corner_tolerance,
+        // Every field by its name: none is forgotten.
+        let Self {
+            envelope,
+            assembly,
+            lookahead,
+            waiting,
+            deviation,
+            used_before,
+            end,
+            in_motion,
+            friction,
+            peak_torque,
+            crossing_allowed,
+            evidence,
+            tick_rate,
+            path_generation,
+            tool_output,
+            least_rest: least,
+            level,
+            horizon,
+            slowed,
+        } = self;
+        *envelope = Envelope {
+            workspace: Workspace {
+                tool: *settings.tool(),
+                mode: settings.working_mode(),
+                limits: JointLimits::new(axis1.angle_limits, axis4.angle_limits).ok(),
+                margin: motion.singularity_margin,
             },
-            assembly: settings.assembly(),
-            lookahead: LookaheadPlanner::new(),
-            waiting: None,
-            deviation: motion.corner_tolerance,
-            used_before: 0.0,
-            end: None,
-            in_motion: None,
-            friction: settings.axes.map(|axis| {
-                let smoothing = settings.control.friction_smoothing;
-                FrictionCompensation::new(axis.viscous_friction, axis.coulomb_friction, smoothing)
+            joint_speed: settings.axes.map(|axis| axis.max_speed),
+            joint_acceleration: settings.axes.map(|axis| axis.max_acceleration),
+            torque: Some(TorqueLimits {
+                arm: *settings.arm(),
+                torque: settings.peak_torque().map(|torque| TORQUE_SHARE * torque),
             }),
-            peak_torque: settings.peak_torque(),
-            crossing_allowed: settings.crossing_allowed,
-            evidence: Evidence::NONE,
-            tick_rate: settings.control.tick_rate,
-            path_generation: 0,
-            slowed: HistoryBuf::new(),
-            tool_output: settings.tool_output,
-            least_rest: least_rest(settings),
-            level: 0,
-            horizon: RESERVE + 0.5 * stopping_time(settings),
-        }
+            tool_motion: MotionLimits {
+                speed: motion.max_speed,
+                acceleration: motion.max_acceleration,
+                jerk: motion.max_jerk,
+            },
+            corner_tolerance: motion.corner_tolerance,
+        };
+        *assembly = settings.assembly();
+        lookahead.clear();
+        *waiting = None;
+        *deviation = motion.corner_tolerance;
+        *used_before = 0.0;
+        *end = None;
+        *in_motion = None;
+        *friction = settings.axes.map(|axis| {
+            let smoothing = settings.control.friction_smoothing;
+            FrictionCompensation::new(axis.viscous_friction, axis.coulomb_friction, smoothing)
+        });
+        *peak_torque = settings.peak_torque();
+        *crossing_allowed = settings.crossing_allowed;
+        *evidence = Evidence::NONE;
+        *tick_rate = settings.control.tick_rate;
+        *path_generation = 0;
+        *tool_output = settings.tool_output;
+        *least = least_rest(settings);
+        *level = 0;
+        *horizon = RESERVE + 0.5 * stopping_time(settings);
+        slowed.clear();
     }
 
     /// Accepts a move behind those accepted before, or refuses it as a whole. The controller is
@@ -180,6 +246,8 @@ impl Planner {
     /// # Errors
     /// Why the move is refused, and at which point; nothing has changed then. `Full` passes with
     /// time.
+    // A call of its own: its stack is not that of the checks of settings.
+    #[inline(never)]
     pub fn push(
         &mut self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
@@ -331,7 +399,7 @@ impl Planner {
     fn follow(&mut self, snapshot: &PlanningSnapshot) {
         if self.path_generation != snapshot.path_generation || !snapshot.state.follows_paths() {
             self.path_generation = snapshot.path_generation;
-            self.lookahead = LookaheadPlanner::new();
+            self.lookahead.clear();
             self.waiting = None;
             self.used_before = 0.0;
             self.end = None;

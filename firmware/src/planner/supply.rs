@@ -41,10 +41,8 @@ impl Planner {
                 limits: Limits::empty().with(Limits::SPEED, slowed),
             };
             let generation = self.path_generation;
-            snapshot = controller.lock(|controller| {
-                controller.extend_path(generation, queued);
-                controller.planning_snapshot()
-            });
+            controller.lock(|controller| controller.extend_path(generation, &queued));
+            snapshot = controller.lock(|controller| controller.planning_snapshot());
         }
     }
 }

@@ -56,7 +56,7 @@ impl Planner {
                 open,
                 limits: Limits::empty(),
             };
-            controller.lock(|controller| controller.extend_path(snapshot.path_generation, queued));
+            controller.lock(|controller| controller.extend_path(snapshot.path_generation, &queued));
         };
         if rests {
             self.rest_for_tool(next.tool, output, start, next.tag)?;

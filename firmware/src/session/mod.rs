@@ -14,13 +14,26 @@ use crate::protocol::{
     Identity, Reply, Sequence, SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
 };
 use crate::recorder::Recorder;
-use crate::safety::{Response, State};
+use crate::safety::{Fault, Response, State};
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::StorageError;
 use crate::{ActuatorCommand, Request, SensorSample, Settings};
+use core::mem::MaybeUninit;
 use rtic_core::Mutex;
 use sampler::Sampler;
 pub use start::fault_at_start;
+
+/// Makes a session in its place, where it lasts as long as the program. A call of its own: so the caller's
+/// stack holds no copy.
+#[inline(never)]
+pub fn place(
+    place: &'static mut MaybeUninit<Session>,
+    identity: Identity,
+    settings: &CheckedSettings,
+    are_stored: bool,
+) -> &'static mut Session {
+    place.write(Session::new(identity, settings, are_stored))
+}
 
 /// What the session needs from its board.
 pub trait Board {
@@ -70,6 +83,26 @@ pub trait Board {
     }
 }
 
+/// The controller as the session shares it with the tick.
+pub trait SharedController: Mutex<T = Controller> {
+    /// Puts a new controller for these settings, which must be homed, in the place of a stopped one. It keeps
+    /// the motors' heat.
+    ///
+    /// # Errors
+    /// The state of a controller that is not stopped; it stays.
+    fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State>;
+}
+
+/// A controller that is not shared.
+impl SharedController for Controller {
+    fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State> {
+        let mut new = Self::new(settings);
+        self.hand_over(&mut new)?;
+        *self = new;
+        Ok(())
+    }
+}
+
 /// The state of the session with one host.
 #[derive(Clone)]
 struct Host {
@@ -86,6 +119,8 @@ pub struct Session {
     host: Option<Host>,
     /// The settings in use were stored or applied: they are not the default settings.
     has_settings: bool,
+    /// The settings in use: a copy, so that nobody locks the controller to read them.
+    in_use: CheckedSettings,
     draft: Settings,
     sampler: Sampler,
 }
@@ -99,6 +134,7 @@ impl Session {
             identity,
             host: None,
             has_settings: are_stored,
+            in_use: *settings,
             draft: **settings,
             sampler: Sampler::off(),
         }
@@ -108,7 +144,7 @@ impl Session {
     pub fn answer(
         &mut self,
         message: &HostMessage,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl SharedController,
         planner: &mut Planner,
         board: &mut impl Board,
     ) -> Option<Frame> {
@@ -119,7 +155,7 @@ impl Session {
         }
         if let HostCommand::Request(Request::EmergencyStop) = command {
             // Executed whatever its sequence number.
-            let _ = controller.lock(|controller| controller.request(Request::EmergencyStop));
+            controller.lock(|controller| controller.latch_fault(Fault::EmergencyStop));
         }
         if let HostCommand::Hello { version, session } = command {
             if version != VERSION {
@@ -130,7 +166,7 @@ impl Session {
                 .as_ref()
                 .is_none_or(|host| host.session != session)
             {
-                self.begin_session(controller);
+                self.begin_session();
                 return self.store_reply(session, sequence, Reply::Hello(self.identity));
             }
         }
@@ -156,13 +192,14 @@ impl Session {
     pub fn telemetry(&mut self, controller: &mut impl Mutex<T = Controller>) -> Option<Frame> {
         let tick = controller.lock(|controller| controller.ticks());
         let number = self.sampler.due(tick)?;
-        let status = controller.lock(|controller| controller.status());
+        let sample = controller.lock(|controller| controller.status_sample());
+        let status = sample.solve(&self.in_use, self.in_use.tool());
         encode(&ControllerMessage::Telemetry(Telemetry { number, status }))
     }
 
     /// Clears the draft and the telemetry of the session before.
-    fn begin_session(&mut self, controller: &mut impl Mutex<T = Controller>) {
-        self.draft = controller.lock(|controller| *controller.settings());
+    fn begin_session(&mut self) {
+        self.draft = *self.in_use;
         self.sampler = Sampler::off();
     }
 
@@ -179,17 +216,19 @@ impl Session {
     fn execute(
         &mut self,
         command: HostCommand,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl SharedController,
         planner: &mut Planner,
         board: &mut impl Board,
     ) -> Reply {
         let outcome = match command {
             HostCommand::Hello { .. } => {
-                self.begin_session(controller);
+                self.begin_session();
                 Ok(Reply::Hello(self.identity))
             }
             HostCommand::Status => Ok(Reply::Status {
-                status: controller.lock(|controller| controller.status()),
+                status: controller
+                    .lock(|controller| controller.status_sample())
+                    .solve(&self.in_use, self.in_use.tool()),
                 room: free_slots(planner),
             }),
             HostCommand::Snapshot => Ok(Reply::Snapshot(
@@ -202,12 +241,10 @@ impl Session {
                     room: free_slots(planner),
                 })
                 .map_err(CommandError::Move),
-            HostCommand::GetSection(key) => {
-                let settings = controller.lock(|controller| *controller.settings());
-                key.of(&settings)
-                    .map(Reply::Section)
-                    .ok_or(CommandError::NoSection)
-            }
+            HostCommand::GetSection(key) => key
+                .of(&self.in_use)
+                .map(Reply::Section)
+                .ok_or(CommandError::NoSection),
             HostCommand::SetSection(section) => section
                 .put(&mut self.draft)
                 .map(|()| Reply::Done)
@@ -261,22 +298,26 @@ impl Session {
     fn request(
         &mut self,
         request: Request,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl SharedController,
     ) -> Result<Reply, CommandError> {
         let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
         if powers && !self.has_settings {
             return Err(CommandError::NoSettings);
         }
+        let posture = controller.lock(|controller| controller.posture(request));
+        let stance = posture.map(|posture| posture.stance(&self.in_use, self.in_use.tool()));
         controller
-            .lock(|controller| controller.request(request))
+            .lock(|controller| controller.execute(request, stance))
             .map(|()| Reply::Done)
             .map_err(CommandError::Request)
     }
 
     /// Checks the draft and puts it to use in a new controller, which must be homed.
+    // A call of its own: no other command takes its stack.
+    #[inline(never)]
     fn apply_settings(
         &mut self,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl SharedController,
         planner: &mut Planner,
         board: &mut impl Board,
     ) -> Result<Reply, CommandError> {
@@ -285,15 +326,10 @@ impl Session {
             checked.map_err(|_| CommandError::Settings)?;
         }
         let settings = self.draft.check().map_err(|_| CommandError::Settings)?;
-        let mut new_controller = Controller::new(&settings);
-        controller.lock(|controller| {
-            only_stopped(controller)?;
-            new_controller.keep_heat(controller);
-            *controller = new_controller;
-            Ok(())
-        })?;
+        controller.renew(&settings).map_err(state_error)?;
         board.use_settings(&settings);
-        *planner = Planner::new(&settings);
+        planner.reset(&settings);
+        self.in_use = settings;
         self.has_settings = true;
         self.sampler.restart_ticks();
         Ok(Reply::Done)
@@ -302,30 +338,25 @@ impl Session {
     /// Stores the settings in use, only with the bridges off: it may stall the core for seconds.
     fn save_settings(
         &mut self,
-        controller: &mut impl Mutex<T = Controller>,
+        controller: &mut impl SharedController,
         board: &mut impl Board,
     ) -> Result<Reply, CommandError> {
-        let settings = controller.lock(|controller| {
-            only_stopped(controller)?;
-            Ok(*controller.settings())
-        })?;
+        match controller.lock(|controller| controller.state()) {
+            State::Stopped => {}
+            state => return Err(state_error(state)),
+        }
         if !self.has_settings {
             return Err(CommandError::NoSettings);
         }
         board
-            .save(&settings)
+            .save(&self.in_use)
             .map(|()| Reply::Done)
             .map_err(CommandError::Storage)
     }
 }
 
-fn only_stopped(controller: &Controller) -> Result<(), CommandError> {
-    match controller.state() {
-        State::Stopped => Ok(()),
-        state => Err(CommandError::Request(controller::RequestError::State(
-            state,
-        ))),
-    }
+fn state_error(state: State) -> CommandError {
+    CommandError::Request(controller::RequestError::State(state))
 }
 
 /// A step of the board's test. Those that stall the core or end in a reset need the bridges off; without

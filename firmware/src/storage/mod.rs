@@ -70,6 +70,13 @@ impl PostcardValue<'_> for Item {}
 struct Buffer([u8; BUFFER]);
 
 impl Buffer {
+    /// The number of the item that begins at this place.
+    fn number(&self, start: usize) -> Option<u32> {
+        let Self(bytes) = self;
+        let (number, _) = postcard::take_from_bytes(bytes.get(start..)?).ok()?;
+        Some(number)
+    }
+
     /// The item at this place, with the defaults of so many numbers that it lacks at its end.
     fn item(&mut self, place: Range<usize>, lacking: u8) -> Option<Item> {
         let Self(bytes) = self;
@@ -109,6 +116,8 @@ impl<F: NorFlash> SettingsStorage<F> {
     ///
     /// # Errors
     /// [`StorageError::Blank`], [`StorageError::Corrupt`] or [`StorageError::Flash`].
+    // A call of its own, so that its item is not on the stack of what checks the settings.
+    #[inline(never)]
     pub fn load(&mut self) -> Result<Settings, StorageError> {
         match self.newest()? {
             Some((item, _)) => Ok(item.settings),
@@ -210,18 +219,24 @@ impl<F: NorFlash> SettingsStorage<F> {
     /// The item saved last, and its half. What an older firmware has saved counts until this one has
     /// saved its first.
     fn newest(&mut self) -> Result<Option<(Item, Range<u32>)>, StorageError> {
+        let mut newest = None;
         for layout in (FIRST_LAYOUT..=LAYOUT).rev() {
-            let newest = self.newest_of(layout)?;
+            self.find_newest(layout, &mut newest)?;
             if newest.is_some() {
-                return Ok(newest);
+                break;
             }
         }
-        Ok(None)
+        Ok(newest)
     }
 
-    /// The item of this layout saved last, and its half.
-    fn newest_of(&mut self, layout: u8) -> Result<Option<(Item, Range<u32>)>, StorageError> {
-        let mut newest: Option<(Item, Range<u32>)> = None;
+    /// Puts the item of this layout saved last, and its half, into `newest`, if there is one.
+    // In its place: the stack holds no second one.
+    #[inline(never)]
+    fn find_newest(
+        &mut self,
+        layout: u8,
+        newest: &mut Option<(Item, Range<u32>)>,
+    ) -> Result<(), StorageError> {
         for half in &self.halves {
             let mut buffer = Buffer([0; BUFFER]);
             let mut log = log(&mut self.flash, half)?;
@@ -233,18 +248,19 @@ impl<F: NorFlash> SettingsStorage<F> {
             // The item lies anywhere in the buffer.
             let (start, length) = (bytes.as_ptr().addr(), bytes.len());
             let start = start - buffer.0.as_ptr().addr();
-            let Some(item) = buffer.item(start..start + length, LAYOUT - layout) else {
+            let place = start..start + length;
+            let Some(number) = buffer.number(place.start) else {
                 continue;
             };
             // Numbers wrap: the newer one is ahead by less than half the range.
             let is_newer = newest
                 .as_ref()
-                .is_none_or(|(other, _)| item.number.wrapping_sub(other.number).cast_signed() > 0);
-            if is_newer {
-                newest = Some((item, half.clone()));
+                .is_none_or(|(other, _)| number.wrapping_sub(other.number).cast_signed() > 0);
+            if is_newer && let Some(item) = buffer.item(place, LAYOUT - layout) {
+                *newest = Some((item, half.clone()));
             }
         }
-        Ok(newest)
+        Ok(())
     }
 
     fn is_blank(&mut self) -> Result<bool, StorageError> {

@@ -282,6 +282,29 @@ fn what_the_board_finds() {
     }
 }
 
+/// It does what a tick does behind that fault.
+#[test]
+fn a_tick_without_clock() {
+    let mut rig = Rig::new(&settings());
+    for ticks in [0, 40] {
+        if ticks > 0 {
+            rig.run(1);
+            rig.controller.request(Request::SetAngles(START)).unwrap();
+            rig.controller.request(Request::Arm).unwrap();
+            rig.run(WAKING_TICKS + ticks);
+        }
+        let (mut one, mut other) = (rig.controller.clone(), rig.controller.clone());
+        for _ in 0..20 {
+            let sample = rig.bench.sense();
+            let command = one.tick_without_clock(&sample);
+            other.latch_fault(Fault::ClockFailure);
+            assert_eq!(command, other.tick(&sample));
+            assert_eq!(one.status(), other.status());
+            assert_eq!(command.enable, [false; 2]);
+        }
+    }
+}
+
 /// Runs until the arm rests, held by a fault; returns the greatest distance from the line and
 /// the number of ticks.
 fn comes_to_rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorCommand) -> (f64, u32) {

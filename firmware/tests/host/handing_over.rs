@@ -44,15 +44,15 @@ fn dwell() -> QueuedSegment {
 fn a_segment_is_taken_in_armed_and_running_and_for_the_present_path_only() {
     let mut rig = Rig::new(&settings());
     let generation = rig.controller.planning_snapshot().path_generation;
-    rig.controller.extend_path(generation, dwell());
+    rig.controller.extend_path(generation, &dwell());
     assert_eq!(rig.controller.planning_snapshot().path_left, 0.0);
 
     let mut rig = Rig::armed(&settings());
     let generation = rig.controller.planning_snapshot().path_generation;
     rig.controller
-        .extend_path(generation.wrapping_sub(1), dwell());
+        .extend_path(generation.wrapping_sub(1), &dwell());
     assert_eq!(rig.controller.planning_snapshot().path_left, 0.0);
-    rig.controller.extend_path(generation, dwell());
+    rig.controller.extend_path(generation, &dwell());
     assert_eq!(rig.controller.planning_snapshot().path_left, 1.0);
 
     // Disarming drops it, and with it whatever was planned to follow.
@@ -69,7 +69,8 @@ fn a_segment_is_taken_in_armed_and_running_and_for_the_present_path_only() {
     rig.controller.request(Request::Disarm).unwrap();
     let waiting = rig.controller.planning_snapshot();
     assert_eq!(waiting.state, State::Armed);
-    rig.controller.extend_path(waiting.path_generation, dwell());
+    rig.controller
+        .extend_path(waiting.path_generation, &dwell());
     assert_eq!(rig.controller.planning_snapshot().path_left, 0.0);
 }
 

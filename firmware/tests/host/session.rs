@@ -294,7 +294,7 @@ fn moves_flow_as_room_allows_and_all_are_followed() {
     let mut desk = Desk::armed();
     let mut tag = 1;
     let mut waited = 0;
-    while tag <= 60 {
+    while tag <= 120 {
         match desk.ask(line(&desk, tag)) {
             Reply::Taken { .. } => tag += 1,
             Reply::Refused(CommandError::Move(error)) => {
@@ -313,7 +313,7 @@ fn moves_flow_as_room_allows_and_all_are_followed() {
         tags.extend(desk.controller.status().tag);
     }
     tags.dedup();
-    assert!(tags.is_sorted() && tags.last() == Some(&60), "{tags:?}");
+    assert!(tags.is_sorted() && tags.last() == Some(&120), "{tags:?}");
     for (tool, start) in desk.bench.tool().into_iter().zip(desk.start) {
         assert!((tool - f64::from(start)).abs() < 2e-4, "{tool} for {start}");
     }

@@ -31,7 +31,7 @@ fn an_arm_that_stops_takes_neither_moves_nor_segments() {
         open: false,
         limits: Limits::empty(),
     };
-    rig.controller.extend_path(before.path_generation, queued);
+    rig.controller.extend_path(before.path_generation, &queued);
     let after = rig.controller.planning_snapshot();
     assert_eq!(after.path_left, before.path_left);
 }

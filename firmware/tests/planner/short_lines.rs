@@ -75,6 +75,32 @@ fn lines_of_a_tenth_of_a_millimetre_are_drawn_at_full_speed() {
     assert!(time < ideal + 0.15, "{time} s for {ideal} s");
 }
 
+/// Half-millimetre lines that bend too much to be joined, and too little to slow the tool: what slows it is
+/// that the motion must be able to end at rest within the look-ahead. With 39 planned segments it took 1.08 s.
+#[test]
+fn lines_of_half_a_millimetre_are_passed_as_fast_as_the_look_ahead_sees() {
+    let settings = with(|settings| {
+        settings.motion.max_speed = 0.3;
+        settings.motion.max_acceleration = 4.0;
+        settings.motion.max_jerk = 1000.0;
+        settings.motion.corner_tolerance = 2e-6;
+    });
+    let (mut at, mut direction) = ([0.0_f32; 2], 0.0_f32);
+    let offsets: Vec<_> = (0..140)
+        .map(|_| {
+            direction += 0.02;
+            let [x, y] = at;
+            at = [x - 5e-4 * direction.sin(), y + 5e-4 * direction.cos()];
+            at
+        })
+        .collect();
+    let (points, _) = draw(&settings, &offsets, 0.3);
+    let moving = points.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let time = moving as f64 * 1e-4;
+    println!("{time} s");
+    assert!(time < 0.9, "{time} s");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     /// Also where lines are joined: the distance to the lines as they were asked for, and that of

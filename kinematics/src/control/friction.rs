@@ -29,7 +29,7 @@ pub struct FrictionCompensation<S> {
 impl<S: Scalar> FrictionCompensation<S> {
     /// Viscous b [N·m·s/rad] and Coulomb τc [N·m] friction, its sign smoothed over
     /// `smoothing` ωs > 0 [rad/s].
-    pub fn new(viscous: S, coulomb: S, smoothing: S) -> Self {
+    pub const fn new(viscous: S, coulomb: S, smoothing: S) -> Self {
         Self {
             viscous,
             coulomb,

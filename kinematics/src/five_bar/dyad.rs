@@ -109,6 +109,21 @@ pub struct DyadSolution<S> {
     pub cross: S,
 }
 
+impl Dyad<f32> {
+    /// Without links.
+    pub(super) const NONE: Self = Self {
+        near: 0.0,
+        far: 0.0,
+        far_squared: 0.0,
+        sum_squared: 0.0,
+        pivot: 0.0,
+        fixed: FixedPointSquare::NONE,
+        difference_squared: 0.0,
+        sum_difference: 0.0,
+        least: 0.0,
+    };
+}
+
 impl<S: Scalar> Dyad<S> {
     /// Links of these lengths [m], positive and finite; the near one turns about the pivot.
     pub fn new(near: S, far: S) -> Self {

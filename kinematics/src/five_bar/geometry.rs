@@ -32,6 +32,17 @@ pub struct Geometry<S> {
     tip: Dyad<S>,
 }
 
+impl Geometry<f32> {
+    /// Without links.
+    pub(super) const NONE: Self = Self {
+        lengths: [0.0; 5],
+        per_length: [0.0; 4],
+        leg1: Dyad::<f32>::NONE,
+        leg4: Dyad::<f32>::NONE,
+        tip: Dyad::<f32>::NONE,
+    };
+}
+
 impl<S: Scalar> Geometry<S> {
     /// The arm with links `lengths[0..4]` = l1…l4 and base `lengths[4]` = l5 = |AE| [m].
     ///

@@ -45,6 +45,18 @@ pub struct Tool<S> {
     to_c: Option<Vector2<S>>,
 }
 
+impl Tool<f32> {
+    /// Without links: what a constant holds until the arm is known. It reaches no point.
+    pub const NONE: Self = Self {
+        geometry: Geometry::<f32>::NONE,
+        offset: Vector2::new(0.0, 0.0),
+        leg1: Dyad::<f32>::NONE,
+        per_reach: 0.0,
+        lean: Vector2::new(0.0, 0.0),
+        to_c: None,
+    };
+}
+
 impl<S: Scalar> Tool<S> {
     /// The tool at `offset` [m] from C, along link 2 and to its left; zero is C itself.
     ///

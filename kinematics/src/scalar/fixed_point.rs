@@ -35,6 +35,14 @@ pub struct FixedPointSquare {
 }
 
 impl FixedPointSquare {
+    /// Of nothing.
+    pub(crate) const NONE: Self = Self {
+        scale: 0.0,
+        unit: 0.0,
+        pivot: 0,
+        square: 0,
+    };
+
     /// The square of the sum of two positive lengths [m], for points about a pivot at
     /// (`pivot`, 0), `pivot` ≥ 0 [m].
     pub fn of_sum<S: Scalar>(first: S, second: S, pivot: S) -> Self {

@@ -64,7 +64,7 @@ impl<S: Scalar, const N: usize> Default for LookaheadPlanner<S, N> {
 
 impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
     /// An empty queue, at rest.
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
             queue: Queue::new(),
             place: S::ZERO,
@@ -73,6 +73,24 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             tool: ToolOutput::constant(S::ZERO),
             stale: false,
         }
+    }
+
+    /// Drops all moves, and is at rest as a new one, in place.
+    pub fn clear(&mut self) {
+        let Self {
+            queue,
+            place,
+            motion,
+            profile,
+            tool,
+            stale,
+        } = self;
+        queue.clear();
+        *place = S::ZERO;
+        *motion = Motion::at_rest();
+        *profile = None;
+        *tool = ToolOutput::constant(S::ZERO);
+        *stale = false;
     }
 
     /// Whether any move can be pushed now.

@@ -15,7 +15,7 @@ pub(super) struct Motion<S> {
 }
 
 impl<S: Scalar> Motion<S> {
-    pub(super) fn at_rest() -> Self {
+    pub(super) const fn at_rest() -> Self {
         Self {
             speed: S::ZERO,
             acceleration: S::ZERO,

@@ -32,7 +32,7 @@ pub(super) struct Queue<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Queue<S, N> {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         const {
             assert!(N >= 4, "a look-ahead of fewer than two moves is none");
         }
@@ -76,6 +76,11 @@ impl<S: Scalar, const N: usize> Queue<S, N> {
             *slot = Some(planned);
             self.len += 1;
         }
+    }
+
+    /// Removes all.
+    pub(super) fn clear(&mut self) {
+        self.len = 0;
     }
 
     /// Removes the first.

@@ -156,6 +156,19 @@ pub struct TrajectorySegment<S> {
     pub(super) tool: ToolOutput<S>,
 }
 
+impl TrajectorySegment<f32> {
+    /// No time at rest at A.
+    pub const NONE: Self = Self {
+        shape: Shape::Rest(Vector2::new(0.0, 0.0)),
+        law: TimeLaw {
+            coefficients: [0.0; 4],
+        },
+        duration: 0.0,
+        tag: 0,
+        tool: ToolOutput::constant(0.0),
+    };
+}
+
 impl<S: Scalar> TrajectorySegment<S> {
     /// The tool at rest at `position` [m] for `duration` [s].
     pub fn rest(position: Vector2<S>, duration: S, tag: u32) -> Self {
@@ -183,6 +196,17 @@ impl<S: Scalar> TrajectorySegment<S> {
             tag,
             tool,
         }
+    }
+
+    /// Becomes a copy of another one. Each field is copied in place; for the whole, the compiler calls
+    /// `memcpy`, whose time has no bound of its own.
+    #[inline(always)]
+    pub fn copy_from(&mut self, other: &Self) {
+        self.shape = other.shape;
+        self.law = other.law;
+        self.duration = other.duration;
+        self.tag = other.tag;
+        self.tool = other.tool;
     }
 
     /// Its duration [s]; may be shorter than a tick.

@@ -10,6 +10,13 @@ const RESULT: u32 = 1;
 
 /// The instruction of the halfwords `high` and `low`, one of a coprocessor.
 pub(crate) fn decode(high: u32, low: u32) -> Instruction {
+    Instruction {
+        float: true,
+        ..of_coprocessor(high, low)
+    }
+}
+
+fn of_coprocessor(high: u32, low: u32) -> Instruction {
     // Coprocessors 10 and 11 are the FPU. The second half of the space is not ARMv7-M's FPU.
     if low & 0x0E00 != 0x0A00 || high & 0x1000 != 0 {
         return Instruction::unknown();

@@ -239,7 +239,9 @@ impl Builder<'_> {
             }
             Flow::Jumps => {
                 next.clear();
-                match self.jumps((address + instruction.length).next_multiple_of(4)) {
+                // Constants may lie before the table.
+                let behind = (address + instruction.length).next_multiple_of(4);
+                match self.jumps(self.image.end_of_data(behind).unwrap_or(behind)) {
                     Some(targets) => jumps.extend(targets),
                     None => self.defect(address, Fault::ComputedJump),
                 }

@@ -22,6 +22,10 @@ pub struct Instruction {
     pub literals: u32,
     /// It may change the flags that conditional instructions test.
     pub sets_flags: bool,
+    /// What it does to the masks of interrupts.
+    pub mask: Mask,
+    /// It is one of the FPU.
+    pub float: bool,
 }
 
 /// Where the program goes after an instruction.
@@ -82,6 +86,19 @@ pub enum Stack {
     Unknown,
 }
 
+/// What an instruction does to BASEPRI, PRIMASK or FAULTMASK, which keep interrupts waiting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mask {
+    /// Nothing.
+    Keep,
+    /// Raises one.
+    Raise,
+    /// Writes what was read before it was raised.
+    Restore,
+    /// Lets all interrupts through, whatever was before.
+    Open,
+}
+
 impl Instruction {
     /// An instruction of `length` bytes that takes one cycle and does nothing else of interest.
     pub(crate) fn plain(length: u32) -> Self {
@@ -93,6 +110,8 @@ impl Instruction {
             accesses: 0,
             literals: 0,
             sets_flags: false,
+            mask: Mask::Keep,
+            float: false,
         }
     }
 
@@ -130,5 +149,9 @@ impl Instruction {
 
     pub(crate) fn sets_flags(self, sets_flags: bool) -> Self {
         Self { sets_flags, ..self }
+    }
+
+    pub(crate) fn mask(self, mask: Mask) -> Self {
+        Self { mask, ..self }
     }
 }

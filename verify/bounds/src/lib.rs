@@ -5,17 +5,22 @@
 //!   │  narrow, wide, float: one instruction
 //! graph       control-flow graph of a function
 //!   │
+//!   ├─ blocking  critical sections, which keep an interrupt waiting
 //!   ├─ longest   longest path, in instructions and in cycles (timing)
 //!   ├─ depth     deepest stack
 //! program     both over all functions that one calls; recursion, indirect calls
 //!   │  stated    bounds of loops and targets of calls that people stated
 //! report      the interrupts of an image
+//!   │
+//! response    from the converter's trigger to the end of the tick's interrupt
 //! ```
 //!
 //! The longest path is that of the graph. It may pass branches that no input takes together, so
 //! the true maximum can be smaller, and never larger. `docs/verify/bounds.md` states what this relies on.
 
+pub mod blocking;
 pub mod depth;
+pub mod document;
 mod float;
 pub mod graph;
 pub mod image;
@@ -24,6 +29,7 @@ pub mod longest;
 pub mod narrow;
 pub mod program;
 pub mod report;
+pub mod response;
 pub mod stated;
 pub mod timing;
 pub mod wide;
@@ -68,6 +74,8 @@ pub enum Fault {
     StackAboveEntry,
     /// Two ways to one instruction have different depths of the stack [bytes].
     StackDiffers(u32, u32),
+    /// A critical section has no end that can be known.
+    SectionEnd,
     /// It should run for ever, or end the program, and can return.
     Returns,
     /// The function returns and leaves so many bytes on the stack.
@@ -77,7 +85,10 @@ pub enum Fault {
 impl Fault {
     /// Whether it makes the depth of the stack unknown too, and not the time alone.
     pub fn concerns_stack(self) -> bool {
-        !matches!(self, Self::Sleep | Self::Loop | Self::LoopEntries)
+        !matches!(
+            self,
+            Self::Sleep | Self::Loop | Self::LoopEntries | Self::SectionEnd
+        )
     }
 }
 
@@ -109,6 +120,7 @@ impl fmt::Display for Fault {
                     "the stack is {one} or {other} bytes deep, by the way there"
                 )
             }
+            Self::SectionEnd => f.write_str("a critical section whose end is not known"),
             Self::Returns => f.write_str("it should never return, and can"),
             Self::StackAtReturn(bytes) => write!(f, "{bytes} bytes are left on the stack"),
         }

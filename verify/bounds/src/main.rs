@@ -3,15 +3,21 @@
 //! ```text
 //! fivebar-bounds check <folder of the images>              compares with bounds/figures.txt
 //! fivebar-bounds print <folder of the images>              prints the figures to commit
+//! fivebar-bounds document                              the table of docs/verify/bounds.md, from the committed figures
 //! fivebar-bounds path  <folder of the images> <image> <function>   the longest path's addresses
+//! fivebar-bounds stack <folder of the images> <image> <function>   its deepest chain of calls
+//! fivebar-bounds sections <folder of the images> <image> <function>   its critical sections
 //! ```
 
 use std::path::Path;
 use std::process::ExitCode;
 
+use fivebar_bounds::blocking::Section;
+use fivebar_bounds::document;
 use fivebar_bounds::image::Image;
 use fivebar_bounds::program::Program;
 use fivebar_bounds::report::{self, Report};
+use fivebar_bounds::response;
 use fivebar_bounds::stated::Stated;
 use fivebar_bounds::timing::Measure;
 
@@ -25,10 +31,13 @@ fn main() -> ExitCode {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments[..] {
         ["check", folder] => check(Path::new(folder)),
+        ["document"] => document(),
         ["print", folder] => print(Path::new(folder)),
         ["path", folder, image, function] => path(&Path::new(folder).join(image), function),
+        ["stack", folder, image, function] => stack(&Path::new(folder).join(image), function),
+        ["sections", folder, image, function] => sections(&Path::new(folder).join(image), function),
         _ => Err(
-            "usage: fivebar-bounds check|print <folder>, path <folder> <image> <function>"
+            "usage: fivebar-bounds check|print <folder>, document, path|stack|sections <folder> <image> <function>"
                 .to_owned(),
         ),
     };
@@ -42,6 +51,14 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn document() -> Result<String, String> {
+    let (chip, instructions) = (
+        include_str!("../../chip/figures.txt"),
+        include_str!("../../../tests/data/instructions.txt"),
+    );
+    document::table(COMMITTED, chip, instructions).ok_or_else(|| "a figure is missing".to_owned())
 }
 
 fn image(path: &Path) -> Result<Image, String> {
@@ -59,7 +76,11 @@ fn print(folder: &Path) -> Result<String, String> {
         mut defects,
     } = report::of_function("tick", &tick, &stated, "tick::__cortex_m_rt_main")?;
     for name in ["stm32f405", "qemu"] {
-        let report = report::of_handlers(name, &image(&folder.join(name))?, &stated)?;
+        let image = image(&folder.join(name))?;
+        let mut report = report::of_handlers(name, &image, &stated)?;
+        if name == response::LABEL {
+            response::add(&image, &stated, &mut report)?;
+        }
         rows.extend(report.rows);
         defects.extend(report.defects);
     }
@@ -84,7 +105,7 @@ fn print(folder: &Path) -> Result<String, String> {
 fn check(folder: &Path) -> Result<String, String> {
     let now = print(folder)?;
     let (_, rows) = report::read(&now);
-    let over = report::over_budget(&rows);
+    let over = response::over_budget(&rows);
     if !over.is_empty() {
         return Err(format!("{now}{}", over.join("\n")));
     }
@@ -99,7 +120,7 @@ fn check(folder: &Path) -> Result<String, String> {
     ))
 }
 
-/// The addresses of a function's longest path in instructions, in the order of the path.
+/// The addresses of a function's longest path in cycles where the code waits, in the order of the path.
 fn path(file: &Path, function: &str) -> Result<String, String> {
     let (stated, image) = (Stated::read(STATED)?, image(file)?);
     let found = image
@@ -107,6 +128,31 @@ fn path(file: &Path, function: &str) -> Result<String, String> {
         .ok_or_else(|| format!("no function {function}"))?;
     let mut program = Program::new(&image, &stated);
     let line = |(address, cost): &(u32, u64)| format!("{address:#x} {cost}\n");
-    let path = program.longest_path(found.address, Measure::Instructions);
+    let path = program.longest_path(found.address, Measure::CyclesCodeWaits);
     Ok(path.iter().map(line).collect())
+}
+
+/// The chain of calls below a function that takes the most stack, with the share of each.
+fn stack(file: &Path, function: &str) -> Result<String, String> {
+    let (stated, image) = (Stated::read(STATED)?, image(file)?);
+    let found = image
+        .named(function)
+        .ok_or_else(|| format!("no function {function}"))?;
+    let chain = Program::new(&image, &stated).deepest(found.address);
+    let line = |(name, bytes): &(String, u32)| format!("{bytes:6} {name}\n");
+    Ok(chain.iter().map(line).collect())
+}
+
+/// The critical sections that a function reaches, with instructions and cycles, the longest last.
+fn sections(file: &Path, function: &str) -> Result<String, String> {
+    let (stated, image) = (Stated::read(STATED)?, image(file)?);
+    let found = image
+        .named(function)
+        .ok_or_else(|| format!("no function {function}"))?;
+    let (mut sections, defects) = Program::new(&image, &stated).sections(found.address);
+    sections.sort_by_key(|section| section.longest);
+    let line = |it: &Section| format!("{:#x} {:?} {}\n", it.address, it.longest, it.function);
+    let lines = sections.iter().map(line);
+    let defects = defects.iter().map(|defect| format!("{defect}\n"));
+    Ok(lines.chain(defects).collect())
 }

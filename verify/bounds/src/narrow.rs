@@ -1,6 +1,6 @@
 //! Instructions of 16 bits. References are to the ARMv7-M Architecture Reference Manual, A5.2.
 
-use crate::instruction::{Flow, Instruction, Stack};
+use crate::instruction::{Flow, Instruction, Mask, Stack};
 
 const SP: u16 = 13;
 const LR: u16 = 14;
@@ -86,7 +86,8 @@ fn miscellaneous(address: u32, half: u16) -> Instruction {
             .stack(Stack::Pop(4 * registers))
             .flow(Flow::Return),
         // Interrupts masked or not: CPS.
-        0x6 => plain.cycles(2),
+        0x6 if half & 0x10 != 0 => plain.cycles(2).mask(Mask::Raise),
+        0x6 => plain.cycles(2).mask(Mask::Open),
         0xF if half & 0xF != 0 => plain.flow(if_then(half)),
         // Wait for an event, wait for an interrupt.
         0xF if matches!(half >> 4 & 0xF, 2 | 3) => plain.flow(Flow::Sleep),

@@ -20,6 +20,8 @@ pub struct Bounds {
     pub stack: u32,
     /// Whether it can return.
     pub returns: bool,
+    /// Whether it or what it calls uses the FPU.
+    pub float: bool,
     /// The functions that it calls itself.
     pub calls: BTreeSet<u32>,
     /// What in it cannot be bounded.
@@ -36,13 +38,25 @@ pub struct Program<'a> {
 }
 
 /// The cost of a function's instructions.
-struct Costs<'a> {
+pub(crate) struct Costs<'a> {
     graph: &'a Graph,
     measure: Measure,
     known: &'a BTreeMap<u32, Bounds>,
 }
 
-impl Costs<'_> {
+impl<'a> Costs<'a> {
+    pub(crate) fn new(
+        graph: &'a Graph,
+        measure: Measure,
+        known: &'a BTreeMap<u32, Bounds>,
+    ) -> Self {
+        Self {
+            graph,
+            measure,
+            known,
+        }
+    }
+
     /// The longest of the functions that a node calls.
     fn called(&self, node: usize) -> u64 {
         let measure = Measure::ALL
@@ -84,6 +98,18 @@ impl<'a> Program<'a> {
         }
     }
 
+    pub(crate) fn image(&self) -> &'a Image {
+        self.image
+    }
+
+    pub(crate) fn stated(&self) -> &'a Stated {
+        self.stated
+    }
+
+    pub(crate) fn known(&self) -> &BTreeMap<u32, Bounds> {
+        &self.known
+    }
+
     /// The bounds of the function at `address`.
     pub fn bounds(&mut self, address: u32) -> &Bounds {
         if !self.known.contains_key(&address) {
@@ -105,11 +131,7 @@ impl<'a> Program<'a> {
             return Vec::new();
         };
         let (graph, _) = self.graph(&function);
-        let costs = Costs {
-            graph: &graph,
-            measure,
-            known: &self.known,
-        };
+        let costs = Costs::new(&graph, measure, &self.known);
         let once = |_| Some(Bound::EachEntry(1));
         let paths = Longest::new(&graph, &costs, &once).paths();
         let with_last = |node: usize| {
@@ -139,6 +161,30 @@ impl<'a> Program<'a> {
         }
         path.reverse();
         path
+    }
+
+    /// The chain of calls that takes the most stack: each function's name and its share [bytes].
+    pub fn deepest(&mut self, address: u32) -> Vec<(String, u32)> {
+        let mut chain = Vec::new();
+        let mut next = Some(address);
+        while let Some(function) = next.and_then(|it| self.image.function(it).cloned()) {
+            let all = self.bounds(function.address).stack;
+            let (graph, _) = self.graph(&function);
+            let depths = depths(&graph).at;
+            let calls = graph
+                .nodes
+                .iter()
+                .zip(depths)
+                .flat_map(|(node, depth)| node.calls.iter().map(move |call| (*call, depth)));
+            let deepest = |(call, depth): (u32, u32)| {
+                let below = self.known.get(&call)?.stack;
+                (below > 0 && depth + below == all).then_some((call, depth))
+            };
+            let call = calls.into_iter().find_map(deepest);
+            chain.push((function.name, call.map_or(all, |(_, depth)| depth)));
+            next = call.map(|(call, _)| call);
+        }
+        chain
     }
 
     /// All functions that the one at `address` reaches, with itself.
@@ -210,19 +256,16 @@ impl<'a> Program<'a> {
             ..Bounds::default()
         };
         for (node, depth) in graph.nodes.iter().zip(&depths.at) {
-            let called = node.calls.iter().filter_map(|call| self.known.get(call));
-            let deepest = called.map(|bounds| bounds.stack).max().unwrap_or(0);
+            let called = || node.calls.iter().filter_map(|call| self.known.get(call));
+            let deepest = called().map(|bounds| bounds.stack).max().unwrap_or(0);
+            bounds.float |= node.instruction.float || called().any(|it| it.float);
             bounds.stack = bounds.stack.max(depth + deepest);
         }
         let headers = self.headers(&graph);
         let number = |address: u32| headers.iter().position(|it| *it == address).unwrap_or(0) + 1;
         let bound = |address| self.stated.bound(&function.name, number(address));
         for (index, measure) in Measure::ALL.into_iter().enumerate() {
-            let costs = Costs {
-                graph: &graph,
-                measure,
-                known: &self.known,
-            };
+            let costs = Costs::new(&graph, measure, &self.known);
             let mut search = Longest::new(&graph, &costs, &bound);
             let paths = search.paths();
             for error in search.errors {
@@ -249,7 +292,7 @@ impl<'a> Program<'a> {
 
     /// The graph of a function, once all that it calls are known: whether these return decides
     /// what follows a call.
-    fn graph(&mut self, function: &crate::image::Function) -> (Graph, Vec<Defect>) {
+    pub(crate) fn graph(&mut self, function: &crate::image::Function) -> (Graph, Vec<Defect>) {
         loop {
             let known = &self.known;
             let callees = Callees {
@@ -274,7 +317,7 @@ impl<'a> Program<'a> {
     }
 
     /// The addresses of the loops' headers in a function.
-    fn headers(&self, graph: &Graph) -> Vec<u32> {
+    pub(crate) fn headers(&self, graph: &Graph) -> Vec<u32> {
         struct Nothing;
         impl Cost for Nothing {
             fn node(&self, _: usize) -> u64 {

@@ -21,8 +21,8 @@ pub struct Row {
     pub name: String,
     /// The longest path by each of [`Measure::ALL`]; none for what has no end.
     pub longest: Option<[u64; MEASURES]>,
-    /// The deepest stack, with the registers that an exception saves [bytes].
-    pub stack: u32,
+    /// The deepest stack, with the registers that an exception saves [bytes]; none for a sum of times.
+    pub stack: Option<u32>,
 }
 
 /// The bounds of an image.
@@ -53,7 +53,7 @@ pub fn of_function(
     let row = Row {
         name: format!("{label}: {name}"),
         longest: Some(longest),
-        stack,
+        stack: Some(stack),
     };
     Ok(Report {
         rows: vec![row],
@@ -86,6 +86,7 @@ pub fn of_handlers(label: &str, image: &Image, stated: &Stated) -> Result<Report
             mut longest,
             mut stack,
             returns,
+            float,
             ..
         } = *program.bounds(address);
         let defects = program.defects(address);
@@ -107,20 +108,20 @@ pub fn of_handlers(label: &str, image: &Image, stated: &Stated) -> Result<Report
         if !is_main {
             stack += FRAME;
             for (longest, measure) in longest.iter_mut().zip(Measure::ALL) {
-                *longest += measure.exception();
+                *longest += measure.exception(float);
             }
         }
         total += stack;
         report.rows.push(Row {
             name: format!("{label}: {name}"),
             longest: has_time.then_some(longest),
-            stack,
+            stack: Some(stack),
         });
     }
     report.rows.push(Row {
         name: format!("{label}: all nested"),
         longest: None,
-        stack: total,
+        stack: Some(total),
     });
     let (low, high) = image
         .stack
@@ -128,7 +129,7 @@ pub fn of_handlers(label: &str, image: &Image, stated: &Stated) -> Result<Report
     report.rows.push(Row {
         name: format!("{label}: space"),
         longest: None,
-        stack: high - low,
+        stack: Some(high - low),
     });
     report.defects.sort();
     report.defects.dedup();
@@ -153,6 +154,7 @@ pub fn table(compiler: &str, rows: &[Row]) -> String {
             Some(longest) => longest.map(|figure| figure.to_string()),
             None => ["-"; MEASURES].map(str::to_owned),
         };
+        let stack = stack.map_or("-".to_owned(), |stack| stack.to_string());
         let _ = writeln!(
             text,
             "{name:NAMES$}  {instructions:>12}  {cycles:>6}  {code_waits:>10}  {all_waits:>9}  {stack:>9}"
@@ -170,33 +172,16 @@ pub fn read(text: &str) -> (String, Vec<Row>) {
         let mut figures = figures.split_whitespace();
         let mut next = || figures.next()?.parse().ok();
         let longest: [Option<u64>; MEASURES] = [next(), next(), next(), next()];
-        let stack = next()?;
+        let stack = next();
         let known = longest.iter().all(Option::is_some);
         let longest = known.then(|| longest.map(Option::unwrap_or_default));
         Some(Row {
             name: name.trim().to_owned(),
             longest,
-            stack: stack as u32,
+            stack: stack.map(|stack| stack as u32),
         })
     };
     (compiler, lines.filter_map(row).collect())
-}
-
-/// The interrupt of the tick.
-const TICK: &str = "stm32f405: ADC";
-/// Cycles that it may take where the code waits for the flash: 60 % of the 16,800 of a period.
-const TICK_BUDGET: u64 = 10_080;
-
-/// The rows whose figures are above their budgets.
-pub fn over_budget(rows: &[Row]) -> Vec<String> {
-    let over = |row: &Row| {
-        let [_, _, code_waits, _] = row.longest.filter(|_| row.name == TICK)?;
-        let name = &row.name;
-        (code_waits > TICK_BUDGET).then(|| {
-            format!("{name}: {code_waits} cycles where the code waits, of at most {TICK_BUDGET}")
-        })
-    };
-    rows.iter().filter_map(over).collect()
 }
 
 /// The share by which a figure may be larger than the committed one if the compiler is another.
@@ -227,7 +212,7 @@ pub fn compare(committed: &str, now: &str) -> Vec<String> {
                 ("cycles", cycles),
                 ("cycles where the code waits", code_waits),
                 ("cycles where all waits", all_waits),
-                ("bytes of stack", row.stack.into()),
+                ("bytes of stack", row.stack.unwrap_or(0).into()),
             ]
         };
         for ((what, now), (_, then)) in figures(row).into_iter().zip(figures(then)) {

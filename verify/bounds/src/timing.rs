@@ -79,16 +79,20 @@ impl Measure {
         }
     }
 
-    /// Entry into an exception and return from it, with the FPU's registers.
-    pub fn exception(self) -> u64 {
+    /// Entry into an exception and return from it. The FPU's registers are saved at the handler's first
+    /// instruction of the FPU (lazy stacking, which the core has on after a reset), and restored at its
+    /// return if there was one.
+    pub fn exception(self, float: bool) -> u64 {
+        let frame = if float { FRAME + FLOAT_FRAME } else { FRAME };
         match self {
             Self::Instructions => 0,
-            Self::CyclesWithoutWaiting => 2 * FRAME,
+            Self::CyclesWithoutWaiting => 2 * frame,
             // The handler's address is read from the flash; the first line and that returned to.
-            Self::CyclesCodeWaits | Self::CyclesWaiting => 2 * FRAME + ACCESS + 2 * JUMP,
+            Self::CyclesCodeWaits | Self::CyclesWaiting => 2 * frame + ACCESS + 2 * JUMP,
         }
     }
 }
 
-/// Cycles to save or to restore the registers: 12, and 17 for those of the FPU.
-const FRAME: u64 = 12 + 17;
+/// Cycles to save or to restore the registers, and those of the FPU.
+const FRAME: u64 = 12;
+const FLOAT_FRAME: u64 = 17;

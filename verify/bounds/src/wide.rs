@@ -2,7 +2,7 @@
 //! Reference Manual, A5.3.
 
 use crate::float;
-use crate::instruction::{Flow, Instruction, PC, SP, Stack};
+use crate::instruction::{Flow, Instruction, Mask, PC, SP, Stack};
 use crate::narrow::{signed, target};
 
 /// The instruction of the halfwords `high` and `low` at `address`.
@@ -184,16 +184,24 @@ fn special(high: u32, low: u32) -> Instruction {
         // MSR to the main and to the process stack pointer.
         0xF380 if low & 0xFF == 8 => plain.stack(Stack::Restart),
         0xF380 if low & 0xFF == 9 => plain.stack(Stack::Unknown),
+        // PRIMASK, BASEPRI and FAULTMASK are restored; BASEPRI_MAX only raises BASEPRI.
+        0xF380 if matches!(low & 0xFF, 0x10 | 0x11 | 0x13) => plain.mask(Mask::Restore),
+        0xF380 if low & 0xFF == 0x12 => plain.mask(Mask::Raise),
         0xF380 => plain.sets_flags(low & 0xFF <= 3),
         0xF3A0 if matches!(low & 0xFF, 2 | 3) => plain.flow(Flow::Sleep),
         0xF3A0 => plain,
         // Barriers wait until the accesses before them have ended.
+        0xF3B0 if low & 0xF0 == 0x60 => plain.cycles(FLUSH),
         0xF3B0 => plain.cycles(BARRIER),
         0xF3E0 => plain,
         0xF7F0 if low & 0xF000 == 0xA000 => plain.flow(Flow::Trap),
         _ => Instruction::unknown(),
     }
 }
+
+/// Cycles of ISB, which fetches what follows anew, as a taken branch: a line that was fetched ahead for
+/// nothing, and its own.
+const FLUSH: u32 = 1 + 3 + 10;
 
 /// Cycles of a barrier, allowing for a write to a peripheral that is on its way.
 const BARRIER: u32 = 20;

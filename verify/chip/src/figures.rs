@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 const FOLDER: &str = "CHIP_FIGURES";
 /// The pattern of the stack that was never used, and its size.
 const PAINT: [u8; 4] = [0xcc; 4];
-const STACK: usize = 64 * 1024;
+const STACK: usize = 16 * 1024;
 
 /// What a chip counts while it runs.
 #[derive(Clone, Debug)]

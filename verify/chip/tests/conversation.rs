@@ -38,7 +38,7 @@ fn sequence_and_session_are_checked() {
     let [Reply::Stack(stack)] = first[..] else {
         panic!("{first:?}");
     };
-    assert_eq!(stack.size, 64 * 1024);
+    assert_eq!(stack.size, 16 * 1024);
     assert!(
         (1024..stack.size / 4 * 3).contains(&stack.most),
         "{stack:?}"

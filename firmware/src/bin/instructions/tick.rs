@@ -7,6 +7,7 @@
 
 use core::hint::black_box;
 use fivebar_firmware::board::instructions::InstructionCounter;
+use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Controller, Move, MoveKind, Request, SensorSample, Settings};
@@ -242,8 +243,10 @@ fn sample(turned: [f32; 2], currents: [f32; 2]) -> SensorSample {
     let counts_per_radian = 8.0 * 16384.0 / core::f32::consts::TAU;
     SensorSample {
         counts: turned.map(|angle| round(angle * counts_per_radian)),
-        current: currents.map(|current| (2048.5 + current * 256.0) as u16),
-        bus_voltage: BUS,
+        drives: BrushedSample {
+            current: currents.map(|current| (2048.5 + current * 256.0) as u16),
+            bus_voltage: BUS,
+        },
         ..SensorSample::default()
     }
 }

@@ -88,6 +88,7 @@ impl Step<'_> {
 
 impl Path {
     /// No path, the tool off; stops will take `stopping_time` [s], ticks `period` [s].
+    #[inline(always)]
     pub(crate) fn new(stopping_time: f32, period: f32, output: PathOutput) -> Self {
         Self {
             stopping_time,
@@ -98,7 +99,7 @@ impl Path {
             committed_left: 0.0,
             brake: None,
             output,
-            queue: PathQueue::new(),
+            queue: PathQueue::EMPTY,
         }
     }
 
@@ -141,7 +142,7 @@ impl Path {
     }
 
     /// Puts a segment of a crossing into a slot of the empty queue.
-    pub(crate) fn store(&mut self, slot: usize, segment: TrajectorySegment<f32>) {
+    pub(crate) fn store(&mut self, slot: usize, segment: &TrajectorySegment<f32>) {
         self.queue.store(slot, segment);
     }
 
@@ -192,14 +193,12 @@ impl Path {
     }
 
     /// Appends a segment; drops it if the queue is full.
-    pub(crate) fn push(&mut self, queued: QueuedSegment) {
+    pub(crate) fn push(&mut self, queued: &QueuedSegment) {
         if self.queue.is_full() {
             return;
         }
         let changes_tool = self.output.push(queued.segment.tool_output());
-        if self.queue.push(queued, changes_tool).is_err() {
-            return;
-        }
+        self.queue.push(queued, changes_tool);
         // The committed path already ends in motion, so commit any extension at once.
         if self.queue.ends_in_motion() || self.is_enough() {
             self.commit();

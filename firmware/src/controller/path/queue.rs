@@ -9,7 +9,6 @@
 use super::QueuedSegment;
 use crate::safety::Limits;
 use fivebar_kinematics::trajectory::TrajectorySegment;
-use nalgebra::Vector2;
 
 /// Room for segments in the queue.
 pub const QUEUED_SEGMENTS: usize = 32;
@@ -53,9 +52,10 @@ pub(super) struct PathQueue {
 }
 
 impl PathQueue {
-    pub(super) fn new() -> Self {
+    /// No segments. A constant: it is written into its place, without the stack of another queue.
+    pub(super) const EMPTY: Self = {
         let nothing = QueuedSegment {
-            segment: TrajectorySegment::rest(Vector2::zeros(), 0.0, 0),
+            segment: TrajectorySegment::NONE,
             open: false,
             limits: Limits::empty(),
         };
@@ -74,11 +74,11 @@ impl PathQueue {
                 end: 0,
             }; QUEUED_SEGMENTS],
         }
-    }
+    };
 
     /// Drops all segments.
     pub(super) fn clear(&mut self) {
-        self.commit();
+        self.committed = self.pushed;
         self.finish();
     }
 
@@ -89,9 +89,9 @@ impl PathQueue {
     }
 
     /// Puts a segment of a crossing into a slot of an empty queue.
-    pub(super) fn store(&mut self, slot: usize, segment: TrajectorySegment<f32>) {
+    pub(super) fn store(&mut self, slot: usize, segment: &TrajectorySegment<f32>) {
         if let Some(free) = self.slots.get_mut(slot) {
-            free.queued.segment = segment;
+            free.queued.segment.copy_from(segment);
         }
     }
 
@@ -157,17 +157,10 @@ impl PathQueue {
         }
     }
 
-    /// Appends a segment; returns it if there is no room.
-    pub(super) fn push(
-        &mut self,
-        queued: QueuedSegment,
-        changes_tool: bool,
-    ) -> Result<(), QueuedSegment> {
-        if self.is_full() {
-            return Err(queued);
-        }
+    /// Appends a segment; the caller has checked that there is room.
+    pub(super) fn push(&mut self, queued: &QueuedSegment, changes_tool: bool) {
         let Some(slot) = self.slots.get_mut(slot(self.pushed.count)) else {
-            return Err(queued);
+            return;
         };
         let duration = ((queued.segment.duration() * 1e6) as u32).min(LONGEST);
         self.pushed = Extent {
@@ -175,12 +168,11 @@ impl PathQueue {
             end: self.pushed.end.wrapping_add(duration),
             in_motion: queued.open,
         };
-        *slot = Timed {
-            queued,
-            changes_tool,
-            end: self.pushed.end,
-        };
-        Ok(())
+        slot.queued.segment.copy_from(&queued.segment);
+        slot.queued.open = queued.open;
+        slot.queued.limits = queued.limits;
+        slot.changes_tool = changes_tool;
+        slot.end = self.pushed.end;
     }
 
     /// Commits all pushed segments. Returns the time [s] that this adds behind the first one.
@@ -226,7 +218,7 @@ mod tests {
 
     /// A queue after months of segments: its count and its time are about to wrap.
     fn old() -> PathQueue {
-        let mut queue = PathQueue::new();
+        let mut queue = PathQueue::EMPTY;
         queue.pushed.count = u32::MAX - 5;
         queue.pushed.end = u32::MAX - 1_000;
         queue.clear();
@@ -237,7 +229,7 @@ mod tests {
     fn order_and_time_behind_survive_the_wrap_of_the_clock() {
         let mut queue = old();
         for n in 1..=10_u8 {
-            queue.push(dwell(1e-3 * f32::from(n)), false).expect("room");
+            queue.push(&dwell(1e-3 * f32::from(n)), false);
         }
         assert!(queue.is_empty() && (queue.uncommitted() - 55e-3).abs() <= 1e-5);
         queue.commit();
@@ -259,28 +251,28 @@ mod tests {
     }
 
     #[test]
-    fn a_full_queue_gives_a_segment_back_and_keeps_what_it_has() {
+    fn a_full_queue_has_no_room_until_a_segment_is_passed() {
         let mut queue = old();
         for n in 0..QUEUED_SEGMENTS {
             assert!(!queue.is_full());
-            queue.push(dwell(1e-3 * n as f32), false).expect("room");
+            queue.push(&dwell(1e-3 * n as f32), false);
         }
-        assert!(queue.is_full() && queue.push(dwell(9.0), false).is_err());
+        assert!(queue.is_full());
         queue.commit();
         assert_eq!(
             queue.first().map(|first| first.queued.segment.duration()),
             Some(0.0)
         );
         queue.pass();
-        queue.push(dwell(9.0), false).expect("room");
+        queue.push(&dwell(9.0), false);
     }
 
     #[test]
     fn what_is_not_committed_is_neither_taken_nor_lost() {
         let mut queue = old();
-        queue.push(dwell(1.0), false).expect("room");
+        queue.push(&dwell(1.0), false);
         queue.commit();
-        queue.push(dwell(2.0), false).expect("room");
+        queue.push(&dwell(2.0), false);
         queue.pass();
         let first = queue.first().expect("the committed one");
         assert_eq!(
@@ -299,7 +291,7 @@ mod tests {
     fn a_commit_adds_the_time_of_what_it_commits_and_no_other() {
         let mut queue = old();
         let mut commit = |duration| {
-            queue.push(dwell(duration), false).expect("room");
+            queue.push(&dwell(duration), false);
             queue.commit()
         };
         assert_eq!(commit(1.0), 0.0, "nothing is behind the first one");
@@ -312,7 +304,7 @@ mod tests {
     fn days_of_waiting_count_as_minutes() {
         let mut queue = old();
         for _ in 0..QUEUED_SEGMENTS {
-            queue.push(dwell(86_400.0), false).expect("room");
+            queue.push(&dwell(86_400.0), false);
         }
         queue.commit();
         let first = queue.first().expect("a segment");

@@ -17,7 +17,7 @@ fn no_path() -> Path {
 fn path_of(lookahead: &mut LookaheadPlanner<f32, 4>) -> Path {
     let mut path = no_path();
     while let Some(segment) = lookahead.next_segment() {
-        path.push(queued(segment));
+        path.push(&queued(segment));
     }
     path
 }
@@ -134,7 +134,7 @@ fn a_stop_takes_two_ticks_at_least_however_near_the_end_of_its_path() {
     // Ticks to the end of a path that ends in motion: 2.5 and 1.5.
     for passed in [9998, 9999] {
         let mut path = no_path();
-        path.push(QueuedSegment {
+        path.push(&QueuedSegment {
             open: true,
             ..queued(TrajectorySegment::rest(Vector2::zeros(), 1.000_05, 0))
         });
@@ -157,7 +157,7 @@ fn the_time_left_is_that_of_the_segments_after_any_number_of_them() {
                 .first()
                 .expect("a segment")
                 .queued;
-            path.push(segment);
+            path.push(&segment);
         }
         path.step().expect("a path");
     }
@@ -177,7 +177,7 @@ fn segments_shorter_than_a_tick_are_passed_two_at_a_time() {
         lookahead
             .push_dwell(Vector2::zeros(), 0.2 * PERIOD, tag)
             .unwrap();
-        path.push(queued(lookahead.next_segment().unwrap()));
+        path.push(&queued(lookahead.next_segment().unwrap()));
     }
     for (tag, at_rest) in [(2, false), (4, false), (5, true)] {
         let rests = path.step().expect("a path").at_rest;
@@ -205,12 +205,12 @@ fn segment(duration: f32, open: bool) -> QueuedSegment {
 fn a_path_that_ends_in_motion_begins_when_it_lasts_longer_than_a_stop() {
     for (duration, begins) in [(0.001, false), (0.0707, false), (0.0717, true)] {
         let mut path = no_path();
-        path.push(segment(duration, true));
+        path.push(&segment(duration, true));
         assert_eq!(path.is_enough(), begins, "{duration} s");
         assert_eq!(path.step().is_some(), begins, "{duration} s");
     }
     let mut path = no_path();
-    path.push(segment(0.001, false));
+    path.push(&segment(0.001, false));
     assert!(path.step().is_some(), "a path that ends at rest");
 }
 
@@ -218,7 +218,7 @@ fn a_path_that_ends_in_motion_begins_when_it_lasts_longer_than_a_stop() {
 fn a_path_runs_short_when_a_stop_needs_all_that_is_left_of_it() {
     for (left, short) in [(0.051, true), (0.0514, false)] {
         let mut path = no_path();
-        path.push(segment(0.1, true));
+        path.push(&segment(0.1, true));
         let passed = ((0.1 - left) / 1e-4) as u32;
         for _ in 0..passed {
             path.step().expect("a path");
@@ -231,13 +231,13 @@ fn a_path_runs_short_when_a_stop_needs_all_that_is_left_of_it() {
 #[test]
 fn a_path_of_many_short_segments_does_not_run_short() {
     let mut path = no_path();
-    path.push(segment(0.1, true));
+    path.push(&segment(0.1, true));
     for _ in 0..800 {
         path.step().expect("a path");
     }
     assert!(path.runs_short());
     for _ in 0..20 {
-        path.push(segment(0.001, true));
+        path.push(&segment(0.001, true));
     }
     path.step().expect("a path");
     assert!(!path.runs_short(), "{} s left", path.left());
@@ -249,7 +249,7 @@ fn a_path_that_ends_at_rest_or_stops_never_runs_short() {
     at_rest.step().expect("a path");
     assert!(!at_rest.runs_short());
     let mut stopping = no_path();
-    stopping.push(segment(0.1, true));
+    stopping.push(&segment(0.1, true));
     for _ in 0..600 {
         stopping.step().expect("a path");
     }
@@ -263,7 +263,7 @@ fn the_time_left_counts_every_pushed_segment_once() {
     let mut path = no_path();
     assert_eq!(path.left(), 0.0);
     for (number, open) in [(1_u8, false), (2, true), (3, true), (4, false)] {
-        path.push(segment(0.01, open));
+        path.push(&segment(0.01, open));
         let expected = 0.01 * f32::from(number);
         assert!((path.left() - expected).abs() < 1e-6, "{}", path.left());
     }
@@ -276,11 +276,11 @@ fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
     let mut path = no_path();
     for room in (1..=QUEUED_SEGMENTS).rev() {
         assert_eq!(path.room(), room);
-        path.push(segment(0.0001, true));
+        path.push(&segment(0.0001, true));
     }
     assert!(path.room() == 0 && path.is_enough());
     let left = path.left();
-    path.push(segment(0.0001, true));
+    path.push(&segment(0.0001, true));
     assert_eq!(path.left(), left, "no room for more");
 }
 
@@ -289,7 +289,7 @@ fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
 fn a_stop_on_a_path_too_short_for_it_ends_before_the_path_does() {
     for (left, ticks) in [(0.03, 596), (0.003, 56), (0.0007, 10), (0.0003, 2)] {
         let mut path = no_path();
-        path.push(segment(0.1, true));
+        path.push(&segment(0.1, true));
         for _ in 0..((0.1 - left) / 1e-4_f64).round() as u32 {
             path.step().expect("a path");
         }
@@ -331,7 +331,7 @@ fn the_acceleration_of_a_stop_is_the_change_of_its_rate() {
 fn a_stop_takes_two_ticks_at_least() {
     for left in [0.0002, 0.0001] {
         let mut path = no_path();
-        path.push(segment(0.1, true));
+        path.push(&segment(0.1, true));
         for _ in 0..((0.1 - left) / 1e-4_f64).round() as u32 {
             path.step().expect("a path");
         }
@@ -358,7 +358,7 @@ fn segments_pushed_behind_the_end_of_a_path_switch_the_tool_on_again() {
         lookahead.set_tool_output(settings.tool_output.output(level, 1.0));
         lookahead.push_dwell(Vector2::zeros(), 5e-3, 0).unwrap();
         let segment = lookahead.next_segment().unwrap();
-        path.push(QueuedSegment {
+        path.push(&QueuedSegment {
             open,
             ..queued(segment)
         });

@@ -1,8 +1,6 @@
 //! Small pieces of machine code whose longest paths are counted by hand.
 
-mod code;
-
-use code::{ADDRESS, alone, examine, function};
+use crate::code::{ADDRESS, alone, examine, function};
 use fivebar_bounds::Fault;
 use fivebar_bounds::image::Image;
 use fivebar_bounds::program::Program;

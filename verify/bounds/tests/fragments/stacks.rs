@@ -1,8 +1,6 @@
 //! Small pieces of machine code whose stacks are counted by hand.
 
-mod code;
-
-use code::alone;
+use crate::code::alone;
 use fivebar_bounds::Fault;
 
 #[test]

@@ -1,0 +1,46 @@
+//! The controller in its place in RAM, which the tick and the session share.
+
+use crate::Controller;
+use crate::safety::State;
+use crate::session::SharedController;
+use crate::settings::CheckedSettings;
+use core::mem::{self, MaybeUninit};
+use rtic_core::Mutex;
+
+/// Room for a controller that lasts as long as the program.
+pub type Place = MaybeUninit<Controller>;
+
+/// Makes a controller in its place. A call of its own: so the caller's stack holds no copy.
+#[inline(never)]
+pub fn place(place: &'static mut Place, settings: &CheckedSettings) -> &'static mut Controller {
+    place.write(Controller::new(settings))
+}
+
+/// The controller in use, behind its lock, and a spare one. New settings are put to use by an exchange of
+/// both: the tick does not wait while a controller is made or copied.
+pub struct Exchanged<'a, Lock> {
+    /// The lock of the controller in use.
+    pub lock: Lock,
+    /// What the next settings make a controller of.
+    pub spare: &'a mut &'static mut Controller,
+}
+
+impl<Lock: Mutex<T = &'static mut Controller>> Mutex for Exchanged<'_, Lock> {
+    type T = Controller;
+
+    fn lock<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+        self.lock.lock(|controller| work(controller))
+    }
+}
+
+impl<Lock: Mutex<T = &'static mut Controller>> SharedController for Exchanged<'_, Lock> {
+    fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State> {
+        self.spare.reset(settings);
+        let spare = &mut *self.spare;
+        self.lock.lock(|controller| {
+            controller.hand_over(spare)?;
+            mem::swap(controller, spare);
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,120 @@
+//! The table of `docs/verify/bounds.md`: printed, never retyped.
+
+use std::fmt::Write as _;
+
+use crate::report::{Row, read};
+use crate::response::{self, STACK_BUDGET, budget};
+
+/// What encloses the table in the document.
+const BEGIN: &str = "<!-- printed by fivebar-bounds document -->\n";
+const END: &str = "<!-- end -->\n";
+
+/// Whole numbers with a comma at each thousand.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// The figure behind `name` in a text of lines.
+fn figure(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    line.trim().split('.').next()?.parse().ok()
+}
+
+/// The table, from the committed figures: those of the bounds, what the simulated chip measured, and the
+/// instructions that the emulator counted. None if a figure is missing.
+pub fn table(bounds: &str, chip: &str, instructions: &str) -> Option<String> {
+    let (_, rows) = read(bounds);
+    let row = |name: &str| -> Option<&Row> { rows.iter().find(|row| row.name == name) };
+    let [tick, ..] = row("tick: tick::__cortex_m_rt_main")?.longest?;
+    let of = |name: &str| row(&response::labelled(name))?.longest;
+    let [interrupt, ..] = of(response::TICK)?;
+    let counted = instructions.lines().filter(|line| line.contains("tick"));
+    let most_tick = counted
+        .filter_map(|line| line.split_whitespace().last()?.parse().ok())
+        .max()?;
+    let most_interrupt = figure(chip, "tick, most [instructions]:")?;
+    let most_stack = figure(chip, "stack, most [bytes]:")?;
+    let [stack, space] = ["all nested", "space"].map(|name| {
+        let stack = row(&response::labelled(name)).and_then(|row| row.stack);
+        stack.map(u64::from)
+    });
+
+    let mut text = String::from("| | proved | most seen in runs | limit |\n|---|---|---|---|\n");
+    let mut line = |what: &str, proved: u64, unit: &str, seen: Option<u64>, limit: String| {
+        let seen = seen.map_or("–".to_owned(), |seen| format!("{} {unit}", grouped(seen)));
+        let _ = writeln!(
+            text,
+            "| {what} | {} {unit} | {seen} | {limit} |",
+            grouped(proved)
+        );
+    };
+    let none = || "–".to_owned();
+    line(
+        "the tick (image `tick`)",
+        tick,
+        "instructions",
+        Some(most_tick),
+        none(),
+    );
+    line(
+        "the tick's interrupt (image `stm32f405`)",
+        interrupt,
+        "instructions",
+        Some(most_interrupt),
+        none(),
+    );
+    line(
+        "stack, every interrupt within another one",
+        stack?,
+        "bytes",
+        Some(most_stack),
+        format!(
+            "{}, of {} in the RAM",
+            grouped(u64::from(STACK_BUDGET)),
+            grouped(space?)
+        ),
+    );
+    text.push_str(
+        "\n| cycles | flash never waits | code waits, RAM does not | all accesses wait | limit of the second |\n|---|---|---|---|---|\n",
+    );
+    for (what, name) in [
+        (
+            "conversion, and pre-emption by the break input and the NMI",
+            response::BEFORE,
+        ),
+        ("longest blocking by what runs below", response::BLOCKING),
+        ("the tick's interrupt", response::TICK),
+        ("response, the sum", response::RESPONSE),
+    ] {
+        let [_, never, code, all] = of(name)?.map(grouped);
+        let _ = writeln!(
+            text,
+            "| {what} | {never} | {code} | {all} | {} |",
+            grouped(budget(name)?)
+        );
+    }
+    let [_, _, code, _] = of(response::TICK)?;
+    let free = budget(response::TICK)?.saturating_sub(code);
+    let _ = writeln!(
+        text,
+        "\nFree in the interrupt, with all of today's work on: {} cycles of {}.",
+        grouped(free),
+        grouped(budget(response::TICK)?)
+    );
+    Some(text)
+}
+
+/// The table in a document; none if it has no marks.
+pub fn table_in(document: &str) -> Option<&str> {
+    let (_, behind) = document.split_once(BEGIN)?;
+    let (table, _) = behind.split_once(END)?;
+    Some(table)
+}
