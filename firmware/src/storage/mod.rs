@@ -119,7 +119,9 @@ impl<F: NorFlash> SettingsStorage<F> {
     // A call of its own, so that its item is not on the stack of what checks the settings.
     #[inline(never)]
     pub fn load(&mut self) -> Result<Settings, StorageError> {
-        match self.newest()? {
+        let mut newest = None;
+        self.search(&mut newest)?;
+        match newest {
             Some((item, _)) => Ok(item.settings),
             None if self.is_blank()? => Err(StorageError::Blank),
             None => Err(StorageError::Corrupt),
@@ -220,13 +222,19 @@ impl<F: NorFlash> SettingsStorage<F> {
     /// saved its first.
     fn newest(&mut self) -> Result<Option<(Item, Range<u32>)>, StorageError> {
         let mut newest = None;
+        self.search(&mut newest)?;
+        Ok(newest)
+    }
+
+    /// Puts what [`Self::newest`] returns into `newest`.
+    fn search(&mut self, newest: &mut Option<(Item, Range<u32>)>) -> Result<(), StorageError> {
         for layout in (FIRST_LAYOUT..=LAYOUT).rev() {
-            self.find_newest(layout, &mut newest)?;
+            self.find_newest(layout, newest)?;
             if newest.is_some() {
                 break;
             }
         }
-        Ok(newest)
+        Ok(())
     }
 
     /// Puts the item of this layout saved last, and its half, into `newest`, if there is one.
