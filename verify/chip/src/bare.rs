@@ -5,6 +5,7 @@ use crate::peripherals::gpio::Pin;
 use crate::peripherals::pwm_timer::Pulses;
 use crate::time::Time;
 use crate::wiring::{Edges, Outputs, Wiring};
+use fivebar_kinematics::five_bar::Joint;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -174,8 +175,9 @@ impl Wiring for SharedBareBoard {
         (pin == SERIAL_IN).then_some(true)
     }
 
-    fn encoder(&mut self, now: Time, joint: usize, _: Time) -> i32 {
+    fn encoder(&mut self, now: Time, joint: Joint, _: Time) -> i32 {
         let board = self.0.borrow();
+        let joint = usize::from(joint == Joint::Joint4);
         let crossed = board.has(BoardMistake::EncodersExchanged);
         let pins = ENCODER[if crossed { 1 - joint } else { joint }];
         let [mut a, mut b] = pins.map(|pin| board.encoder_input(now, pin));
