@@ -288,6 +288,7 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     pub(super) fn cross(&mut self) -> Result<TorqueCommand, Fault> {
         let planned = self.advance_crossing();
+        self.past.keep(&self.setpoint);
         let Self {
             crossing, model, ..
         } = self;

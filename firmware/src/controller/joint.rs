@@ -2,6 +2,7 @@
 
 use super::encoder::Scale;
 use super::model::AxisModel;
+use super::past::Between;
 use crate::drives::JointState;
 use fivebar_kinematics::control::{Integral, ObserverState};
 
@@ -63,6 +64,14 @@ impl Joint {
             velocity: self.observer.velocity,
             error,
         }
+    }
+
+    /// θ⁺ [rad] when the torque acts, and ω⁺ less the set-point's velocity then [rad/s].
+    #[inline(always)]
+    pub(crate) fn predicted(&self, model: &AxisModel, between: &Between) -> (f32, f32) {
+        let ObserverState { angle, velocity } = self.observer;
+        let position_loop = &model.servo.position_loop;
+        position_loop.predict(angle + between.angle, velocity - between.omega, 0.0)
     }
 
     /// Takes the counts of the first tick as the origin until homed. A counter may start at any

@@ -11,6 +11,7 @@ mod homing_state;
 mod joint;
 mod model;
 mod passing;
+mod past;
 mod path;
 mod planning;
 mod report;
@@ -44,6 +45,7 @@ use joint::Joint;
 use model::Model;
 use nalgebra::Vector2;
 use passing::Landmarks;
+use past::Past;
 use path::{Path, PathOutput};
 pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub(crate) use path::{least_rest, stopping_time};
@@ -68,6 +70,7 @@ pub struct ArmController<D: Drives> {
     joints: [Joint; 2],
     drives: D,
     setpoint: Setpoint,
+    past: Past,
     /// Position errors [rad] as last computed.
     error: [f32; 2],
     ticks: u32,
@@ -137,6 +140,7 @@ fresh_controller! { checked;
     joints: [Joint::new(), Joint::new()],
     drives: D::new(checked),
     setpoint: Setpoint::hold([Vector2::zeros(); 2]),
+    past: Past::none(),
     error: [0.0; 2],
     ticks: 0,
     heard_at: 0,

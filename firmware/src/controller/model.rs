@@ -1,6 +1,7 @@
 //! The constants of the tick, computed once from the settings.
 
 use super::homing_state::HomingConfig;
+use super::past::Age;
 use crate::drives::{Drives, Stage};
 use crate::safety::Monitor;
 use crate::settings::{AxisSettings, CheckedSettings, ControlSettings};
@@ -46,6 +47,8 @@ pub(crate) struct Model {
 pub(crate) struct Servo {
     pub(crate) observer: VelocityObserver<f32>,
     pub(crate) position_loop: PositionLoop<f32>,
+    /// Of the set-point that belongs to a sample.
+    pub(crate) age: Age,
 }
 
 /// The bandwidths of the position loop with its observer, as shares, of an arm that moves, that settles and
@@ -135,6 +138,7 @@ impl Servo {
                 share * control.integral_rate,
                 period,
             ),
+            age: Age::new(lag, period),
         }
     }
 }
@@ -181,11 +185,14 @@ impl AxisModel {
         Self {
             servo: servos[0],
             servos,
-            crossing: Servo::new(
-                control,
-                CROSSING,
-                D::lag(control, Stage::Crosses) + axis.encoder_latency + CROSSING_LAG,
-            ),
+            crossing: Servo {
+                age: Age::NEWEST,
+                ..Servo::new(
+                    control,
+                    CROSSING,
+                    D::lag(control, Stage::Crosses) + axis.encoder_latency + CROSSING_LAG,
+                )
+            },
             stage: Stage::Moves,
             rest_error: REST_COUNTS * Scalar::abs(radians_per_count),
             friction: FrictionCompensation::new(

@@ -29,6 +29,13 @@ impl Setpoint {
         }
     }
 
+    /// Direction, velocity and acceleration of one joint.
+    #[inline(always)]
+    pub(crate) fn of(&self, joint: usize) -> Option<(Vector2<f32>, f32, f32)> {
+        let direction = self.direction.get(joint)?;
+        Some((*direction, *self.omega.get(joint)?, *self.alpha.get(joint)?))
+    }
+
     /// Sets velocity and acceleration to zero; the directions stay.
     #[inline(always)]
     pub(crate) fn rest(&mut self) {

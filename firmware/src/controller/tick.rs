@@ -139,7 +139,9 @@ impl<D: Drives> ArmController<D> {
         self.drives.sense(&sample.drives);
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
-        let [alpha1, alpha4] = self.setpoint.alpha;
+        // Of the moment that the observer observes.
+        let alpha1 = self.past.alpha(0, &model1.servo.age);
+        let alpha4 = self.past.alpha(1, &model4.servo.age);
         let [counts1, counts4] = sample.counts;
         let innovation = [
             joint1.measure(model1, counts1, alpha1),
@@ -320,6 +322,7 @@ impl<D: Drives> ArmController<D> {
         self.pending_stop = None;
         self.pending_off = None;
         self.setpoint.rest();
+        self.past.restart();
         self.release_loops();
     }
 

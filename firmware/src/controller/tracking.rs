@@ -17,6 +17,7 @@ impl<D: Drives> ArmController<D> {
     pub(super) fn track(&mut self) -> Result<TorqueCommand, Fault> {
         // Where the joints should be, and where they will be, when the torque acts.
         let limits = self.advance()?;
+        self.past.keep(&self.setpoint);
         let Setpoint {
             omega: [omega1d, omega4d],
             alpha: [alpha1d, alpha4d],
@@ -24,9 +25,9 @@ impl<D: Drives> ArmController<D> {
         } = self.setpoint;
         let [joint1, joint4] = &self.joints;
         let [axis1, axis4] = &self.model.axes;
-        let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
-        let (theta1, omega1) = loop1.predict(joint1.angle(), joint1.velocity(), alpha1d);
-        let (theta4, omega4) = loop4.predict(joint4.angle(), joint4.velocity(), alpha4d);
+        let (theta1, omega1) = joint1.predicted(axis1, &self.past.between(0, &axis1.servo.age));
+        let (theta4, omega4) = joint4.predicted(axis4, &self.past.between(1, &axis4.servo.age));
+        let (omega1, omega4) = (omega1d + omega1, omega4d + omega4);
         let [u1, u4] = Vector2::units([theta1, theta4]);
         let links = self.measured([u1, u4])?;
         // e = sin(θd − θ), which is the error itself as long as it is too small for a fault.
