@@ -13,7 +13,7 @@ use super::{ArmController, RequestError};
 use crate::drives::{Drives, Excitation, Excited};
 use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Event, Fault};
-use fivebar_kinematics::Scalar;
+use fivebar_kinematics::{Scalar, five_bar};
 use serde::{Deserialize, Serialize};
 
 /// Joint speed below which the shorted motors have brought an arm to rest [rad/s].
@@ -185,10 +185,11 @@ impl<D: Drives> ArmController<D> {
     fn drive_excited(&mut self, value: f32) -> WithoutReference {
         let Excitation { joint, of, .. } = self.excitation.excitation;
         let index = usize::from(joint);
-        let Some(joint) = self.joints.get(index) else {
+        let (Some(driven), Some(joint)) = (five_bar::Joint::ALL.get(index), self.joints.get(index))
+        else {
             return WithoutReference::Off;
         };
-        self.drives.excite(index, of, value, joint.velocity());
+        self.drives.excite(*driven, of, value, joint.velocity());
         if self.drives.is_finite() {
             return WithoutReference::Excited;
         }

@@ -8,6 +8,7 @@
 
 use super::setpoint::Setpoint;
 use fivebar_kinematics::PlanarVector;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
 /// Set-points that are kept; a power of two, so that an index needs no comparison. A longer lag takes the oldest one.
@@ -87,9 +88,9 @@ impl Past {
 
     /// α of a joint so long ago [rad/s²], before this tick's set-point is kept.
     #[inline(always)]
-    pub(super) fn alpha(&self, joint: usize, age: &Age) -> f32 {
+    pub(super) fn alpha(&self, joint: Joint, age: &Age) -> f32 {
         let kept = self.ago(age.ticks.saturating_sub(1));
-        kept.and_then(|kept| kept.alpha.get(joint))
+        kept.and_then(|kept| kept.alpha.get(joint.index()))
             .copied()
             .unwrap_or(0.0)
     }
@@ -105,9 +106,9 @@ impl Past {
 
     /// What lies between a joint's set-point of so long ago and the newest one.
     #[inline(always)]
-    pub(super) fn between(&self, joint: usize, age: &Age) -> Between {
+    pub(super) fn between(&self, joint: Joint, age: &Age) -> Between {
         let (Some(now), Some((direction, omega, alpha))) = (
-            self.ago(0).and_then(|it| it.direction.get(joint)),
+            self.ago(0).and_then(|it| it.direction.get(joint.index())),
             self.ago(age.ticks).and_then(|it| it.of(joint)),
         ) else {
             return Between {
@@ -162,7 +163,7 @@ mod tests {
             let age = Age::new(lag, PERIOD);
             let now = (ticks - 1) as f32 * PERIOD;
             let ([newest, ..], [angle, omega, _]) = (swing(now), swing(now - lag));
-            for (joint, sign) in [(0, 1.0), (1, -1.0)] {
+            for (joint, sign) in [(Joint::Joint1, 1.0), (Joint::Joint4, -1.0)] {
                 let between = past.between(joint, &age);
                 let turned = sign * (newest - angle);
                 prop_assert!((between.angle - turned).abs() < 2e-6, "{} for {turned}", between.angle);
@@ -176,7 +177,7 @@ mod tests {
             // The next sample is a tick after the newest set-point was kept.
             let at = ticks as f32 * PERIOD - lag;
             let [_, _, alpha] = swing(at);
-            let found = past.alpha(0, &Age::new(lag, PERIOD));
+            let found = past.alpha(Joint::Joint1, &Age::new(lag, PERIOD));
             // Within a tick: 0.3 rad · (40 rad/s)³ · 0.1 ms.
             prop_assert!((found - alpha).abs() < 2.5, "{found} for {alpha}");
         }
@@ -193,13 +194,16 @@ mod tests {
             angle: 0.0,
             omega: 0.0,
         };
-        assert_eq!([0, 1].map(|joint| past.between(joint, &age)), [nothing; 2]);
-        assert_eq!([0, 1].map(|joint| past.alpha(joint, &age)), [0.0; 2]);
+        assert_eq!(
+            Joint::ALL.map(|joint| past.between(joint, &age)),
+            [nothing; 2]
+        );
+        assert_eq!(Joint::ALL.map(|joint| past.alpha(joint, &age)), [0.0; 2]);
         past.keep(&Setpoint {
             omega: [1.0, -1.0],
             ..rest
         });
-        assert_eq!(past.between(0, &age), nothing);
+        assert_eq!(past.between(Joint::Joint1, &age), nothing);
     }
 
     #[test]

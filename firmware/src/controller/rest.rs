@@ -8,6 +8,7 @@ use super::model::Model;
 use crate::drives::{Drives, Stage};
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::Integral;
+use fivebar_kinematics::five_bar::Joint;
 
 /// Whether the arm rests.
 #[derive(Clone)]
@@ -77,7 +78,8 @@ impl<D: Drives> ArmController<D> {
     /// Gives a joint the gains of the arm's stage. An arm that settles or begins to rest goes on
     /// with the mean of the accelerations demanded meanwhile: under a load its torque stays.
     #[inline(always)]
-    pub(super) fn change_gains(&mut self, index: usize) {
+    pub(super) fn change_gains(&mut self, joint: Joint) {
+        let index = joint.index();
         let Rest { stage, means, .. } = self.rest;
         let Some(axis) = self.model.axes.get_mut(index) else {
             return;
@@ -86,7 +88,7 @@ impl<D: Drives> ArmController<D> {
             return;
         }
         axis.select_servo(stage);
-        self.drives.select(index, stage);
+        self.drives.select(joint, stage);
         if let (Stage::Settles | Stage::Rests, Some(joint), Some(mean)) =
             (stage, self.joints.get_mut(index), means.get(index))
         {
@@ -100,7 +102,7 @@ impl<D: Drives> ArmController<D> {
         for axis in &mut self.model.axes {
             axis.cross();
         }
-        for joint in [0, 1] {
+        for joint in Joint::ALL {
             self.drives.select(joint, Stage::Crosses);
         }
     }
@@ -108,7 +110,7 @@ impl<D: Drives> ArmController<D> {
     /// Gives an arm that is not driven the gains of one that moves.
     pub(super) fn forget_rest(&mut self) {
         self.rest = Rest::new();
-        for (joint, axis) in self.model.axes.iter_mut().enumerate() {
+        for (joint, axis) in Joint::ALL.into_iter().zip(&mut self.model.axes) {
             if axis.stage != Stage::Moves {
                 axis.select_servo(Stage::Moves);
                 self.drives.select(joint, Stage::Moves);

@@ -3,7 +3,7 @@
 
 use super::model::Model;
 use fivebar_kinematics::PlanarVector;
-use fivebar_kinematics::five_bar::{ActuatedJointState, PoseError, WorkingMode};
+use fivebar_kinematics::five_bar::{ActuatedJointState, Joint, PoseError, WorkingMode};
 use fivebar_kinematics::trajectory::Reference;
 use nalgebra::Vector2;
 
@@ -31,9 +31,13 @@ impl Setpoint {
 
     /// Direction, velocity and acceleration of one joint.
     #[inline(always)]
-    pub(crate) fn of(&self, joint: usize) -> Option<(Vector2<f32>, f32, f32)> {
-        let direction = self.direction.get(joint)?;
-        Some((*direction, *self.omega.get(joint)?, *self.alpha.get(joint)?))
+    pub(crate) fn of(&self, joint: Joint) -> Option<(Vector2<f32>, f32, f32)> {
+        let direction = self.direction.get(joint.index())?;
+        Some((
+            *direction,
+            *self.omega.get(joint.index())?,
+            *self.alpha.get(joint.index())?,
+        ))
     }
 
     /// Sets velocity and acceleration to zero; the directions stay.

@@ -5,6 +5,7 @@ use super::setpoint::Setpoint;
 use crate::drives::{Demand, Drives, Motion};
 use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Fault, Limits, State, TOLERATED_TICKS};
+use fivebar_kinematics::five_bar;
 
 /// The torques that the joints should give.
 #[derive(Clone, Copy)]
@@ -140,8 +141,8 @@ impl<D: Drives> ArmController<D> {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
         // Of the moment that the observer observes.
-        let alpha1 = self.past.alpha(0, &model1.servo.age);
-        let alpha4 = self.past.alpha(1, &model4.servo.age);
+        let alpha1 = self.past.alpha(five_bar::Joint::Joint1, &model1.servo.age);
+        let alpha4 = self.past.alpha(five_bar::Joint::Joint4, &model4.servo.age);
         let [counts1, counts4] = sample.counts;
         let innovation = [
             joint1.measure(model1, counts1, alpha1),

@@ -7,7 +7,7 @@ use super::tick::TorqueCommand;
 use crate::drives::Drives;
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::PlanarVector;
-use fivebar_kinematics::five_bar::{Links, PoseError};
+use fivebar_kinematics::five_bar::{Joint, Links, PoseError};
 use fivebar_kinematics::trajectory::Reference;
 use nalgebra::Vector2;
 
@@ -25,8 +25,10 @@ impl<D: Drives> ArmController<D> {
         } = self.setpoint;
         let [joint1, joint4] = &self.joints;
         let [axis1, axis4] = &self.model.axes;
-        let (theta1, omega1) = joint1.predicted(axis1, &self.past.between(0, &axis1.servo.age));
-        let (theta4, omega4) = joint4.predicted(axis4, &self.past.between(1, &axis4.servo.age));
+        let (theta1, omega1) =
+            joint1.predicted(axis1, &self.past.between(Joint::Joint1, &axis1.servo.age));
+        let (theta4, omega4) =
+            joint4.predicted(axis4, &self.past.between(Joint::Joint4, &axis4.servo.age));
         let (omega1, omega4) = (omega1d + omega1, omega4d + omega4);
         let [u1, u4] = Vector2::units([theta1, theta4]);
         let links = self.measured([u1, u4])?;

@@ -11,6 +11,7 @@ use super::model::AxisModel;
 use crate::drives::{Drives, WATCHED_EVERY};
 use crate::io::ArmSample;
 use crate::safety::State;
+use fivebar_kinematics::five_bar::Joint as Driven;
 
 /// Ticks in which each turn comes once; what concerns the path comes twice.
 pub(super) const TURNS: u32 = WATCHED_EVERY;
@@ -25,14 +26,14 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     pub(super) fn take_turn(&mut self, sample: &ArmSample<D::Sample>) {
         match self.ticks % TURNS {
-            0 => self.watch(0, 1),
-            8 => self.watch(1, 0),
+            0 => self.watch(Driven::Joint1),
+            8 => self.watch(Driven::Joint4),
             1 | 9 => {
                 self.end_path();
                 self.turn_brake();
             }
-            2 => self.change_gains(0),
-            10 => self.change_gains(1),
+            2 => self.change_gains(Driven::Joint1),
+            10 => self.change_gains(Driven::Joint4),
             3 | 11 => self.correct_encoder(0, Joint::set_scale),
             4 | 12 => self.pending_stop = self.stopping_fault(),
             5 | 13 => self.begin_pending_stop(),
@@ -53,8 +54,8 @@ impl<D: Drives> ArmController<D> {
     /// Keeps the motors' heat, and the correction of the encoders, in a tick without power.
     pub(super) fn cool(&mut self) {
         match self.ticks % TURNS {
-            0 => self.warm(0),
-            8 => self.warm(1),
+            0 => self.warm(Driven::Joint1),
+            8 => self.warm(Driven::Joint4),
             3 | 11 => self.correct_encoder(0, Joint::shift_to_scale),
             7 | 15 => self.correct_encoder(1, Joint::shift_to_scale),
             _ => {}
@@ -83,16 +84,16 @@ impl<D: Drives> ArmController<D> {
     /// Watches a motor and its loop, and begins to watch the other joint's loop, whose turn is half
     /// of the turns later.
     #[inline(always)]
-    fn watch(&mut self, index: usize, other: usize) {
-        self.drives.begin_watch(other);
-        self.warm(index);
+    fn watch(&mut self, joint: Driven) {
+        self.drives.begin_watch(joint.other());
+        self.warm(joint);
     }
 
     /// Advances a motor's heat by all turns at its current. The next tick switches off a motor that
     /// is too hot, a loop that oscillates, or an arm that nobody commands.
     #[inline(always)]
-    fn warm(&mut self, index: usize) {
-        if let Some(fault) = self.drives.watch(index) {
+    fn warm(&mut self, joint: Driven) {
+        if let Some(fault) = self.drives.watch(joint) {
             self.pending_off = Some(fault);
         } else if self.abandoned() {
             self.abandon();

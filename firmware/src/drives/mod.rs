@@ -17,6 +17,7 @@ use crate::safety::Fault;
 use crate::settings::{CheckedSettings, ControlSettings, Settings};
 pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
+use fivebar_kinematics::five_bar::Joint;
 pub use torque::{OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
 
 /// Ticks from one watch of a joint's drive to the next, see [`Drives::watch`].
@@ -106,7 +107,7 @@ pub trait Drives: Clone {
     fn keep_heat(&mut self, settings: &Settings, before: &Self, old: &Settings);
 
     /// Gives a joint's drive the gains of this stage.
-    fn select(&mut self, joint: usize, stage: Stage);
+    fn select(&mut self, joint: Joint, stage: Stage);
 
     /// Takes over a tick's sample.
     fn sense(&mut self, sample: &Self::Sample);
@@ -142,10 +143,10 @@ pub trait Drives: Clone {
     fn release(&mut self);
 
     /// Half of [`WATCHED_EVERY`] before [`Drives::watch`].
-    fn begin_watch(&mut self, joint: usize);
+    fn begin_watch(&mut self, joint: Joint);
 
     /// What needs no look in every tick, once in [`WATCHED_EVERY`]: heat, and a loop that oscillates.
-    fn watch(&mut self, joint: usize) -> Option<Fault>;
+    fn watch(&mut self, joint: Joint) -> Option<Fault>;
 
     /// What the drives measure and do.
     fn report(&self) -> DriveReport;
@@ -157,5 +158,5 @@ pub trait Drives: Clone {
     fn admits(settings: &Settings, excitation: &Excitation) -> bool;
 
     /// Sets the voltage [V] or the current [A] of one motor at this joint velocity [rad/s].
-    fn excite(&mut self, joint: usize, of: Excited, value: f32, velocity: f32);
+    fn excite(&mut self, joint: Joint, of: Excited, value: f32, velocity: f32);
 }

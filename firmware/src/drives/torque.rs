@@ -5,6 +5,7 @@ use super::{DriveReport, Drives, Excitation, Excited, JointState, Stage};
 use crate::drives::Demand;
 use crate::safety::Fault;
 use crate::settings::{CheckedSettings, ControlSettings, Settings};
+use fivebar_kinematics::five_bar::Joint;
 
 /// The oldest answer of a drive that is not a fault [ticks].
 pub const OLDEST_SAMPLE: u16 = 30;
@@ -66,7 +67,7 @@ impl Drives for TorqueDrives {
 
     fn keep_heat(&mut self, _: &Settings, _: &Self, _: &Settings) {}
 
-    fn select(&mut self, _: usize, _: Stage) {}
+    fn select(&mut self, _: Joint, _: Stage) {}
 
     #[inline(always)]
     fn sense(&mut self, sample: &TorqueSample) {
@@ -121,9 +122,9 @@ impl Drives for TorqueDrives {
         self.set_point = [0.0; 2];
     }
 
-    fn begin_watch(&mut self, _: usize) {}
+    fn begin_watch(&mut self, _: Joint) {}
 
-    fn watch(&mut self, _: usize) -> Option<Fault> {
+    fn watch(&mut self, _: Joint) -> Option<Fault> {
         None
     }
 
@@ -148,5 +149,5 @@ impl Drives for TorqueDrives {
         false
     }
 
-    fn excite(&mut self, _: usize, _: Excited, _: f32, _: f32) {}
+    fn excite(&mut self, _: Joint, _: Excited, _: f32, _: f32) {}
 }

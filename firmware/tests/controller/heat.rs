@@ -99,14 +99,3 @@ fn a_motor_that_was_cold_is_as_warm_as_at_a_start_when_its_ratings_change() {
     let ticks = ticks_until_hot(&mut rig);
     assert!((1000..1450).contains(&ticks), "{ticks} ticks");
 }
-
-/// Its I²t model alone would let it for twelve minutes.
-#[test]
-fn a_slow_motor_carries_twice_its_continuous_current_for_less_than_two_seconds() {
-    let slow = with(|s| {
-        s.axes[1].continuous_current = 0.265;
-        s.axes[1].thermal_time_constant = 3600.0;
-    });
-    let ticks = ticks_until_hot(&mut Rig::armed(&slow));
-    assert!((16_000..18_500).contains(&ticks), "{ticks} ticks");
-}

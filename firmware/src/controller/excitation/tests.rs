@@ -153,7 +153,7 @@ fn an_excitation_s_duty_that_is_not_a_number_switches_off_in_its_tick() {
         controller.tick(&sample);
     }
     assert!(controller.tick(&sample).enable[1], "it drives");
-    controller.drives.spoil(1);
+    controller.drives.spoil(five_bar::Joint::Joint4);
     let command = controller.tick(&sample);
     assert_eq!(
         (command.enable, command.drives),

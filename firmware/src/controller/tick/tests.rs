@@ -9,7 +9,7 @@ use crate::settings::ToolOutputSettings;
 use crate::{
     ActuatorCommand, Controller, FULL_TOOL, Move, MoveKind, Planner, SensorSample, Settings,
 };
-use fivebar_kinematics::five_bar::{Side, WorkingMode};
+use fivebar_kinematics::five_bar::{Joint, Side, WorkingMode};
 
 /// Zero current, 24 V.
 const SAMPLE: SensorSample = SensorSample {
@@ -40,7 +40,7 @@ fn armed(settings: &Settings) -> Controller {
 
 #[test]
 fn a_duty_of_either_joint_that_is_not_a_number_switches_off_in_its_tick() {
-    for joint in [0, 1] {
+    for joint in Joint::ALL {
         let mut controller = armed(&Settings::BENCHTOP);
         controller.drives.spoil(joint);
         let command = controller.tick(&SAMPLE);
@@ -83,7 +83,7 @@ fn a_duty_that_is_not_a_number_switches_the_tool_off_in_its_tick() {
         controller.tick(&SAMPLE).tool != off
     });
     assert!(is_on);
-    controller.drives.spoil(0);
+    controller.drives.spoil(Joint::Joint1);
     let command = controller.tick(&SAMPLE);
     assert_eq!((command.enable, command.tool), ([false; 2], off));
 }

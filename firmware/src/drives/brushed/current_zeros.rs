@@ -8,6 +8,7 @@
 use super::BrushedDrives;
 use crate::settings::{AxisSettings, Settings};
 use fivebar_kinematics::Scalar;
+use fivebar_kinematics::five_bar::Joint;
 
 /// Ticks of a mean.
 const TICKS: u32 = 2048;
@@ -101,18 +102,18 @@ impl BrushedDrives {
     pub(super) fn measure_zeros(&mut self, codes: [u16; 2]) {
         // Not a loop: the bound of the tick would have to state how often it runs.
         if let Some([zero1, zero4]) = self.zeros.take(codes) {
-            self.judge_zero(0, zero1);
-            self.judge_zero(1, zero4);
+            self.judge_zero(Joint::Joint1, zero1);
+            self.judge_zero(Joint::Joint4, zero4);
         }
     }
 
     /// Uses a joint's zero code, if it is plausible.
-    fn judge_zero(&mut self, joint: usize, zero: f32) {
+    fn judge_zero(&mut self, joint: Joint, zero: f32) {
         let zeros = &mut self.zeros;
         let (Some(range), Some(model), Some(plausible)) = (
-            zeros.ranges.get(joint),
-            self.models.get_mut(joint),
-            zeros.plausible.get_mut(joint),
+            zeros.ranges.get(joint.index()),
+            self.models.get_mut(joint.index()),
+            zeros.plausible.get_mut(joint.index()),
         ) else {
             return;
         };

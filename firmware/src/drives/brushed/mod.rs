@@ -4,7 +4,6 @@ mod current_zeros;
 mod motor;
 mod motor_check;
 mod oscillation;
-mod overload;
 
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Stage};
 use crate::drives::Demand;
@@ -13,6 +12,7 @@ use crate::settings::{CheckedSettings, ControlSettings, Settings};
 use current_zeros::CurrentZeros;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::Bus;
+use fivebar_kinematics::five_bar::Joint;
 use motor::{Motor, MotorModel};
 use serde::{Deserialize, Serialize};
 
@@ -102,8 +102,8 @@ impl Drives for BrushedDrives {
     }
 
     #[cold]
-    fn select(&mut self, joint: usize, stage: Stage) {
-        if let Some(model) = self.models.get_mut(joint) {
+    fn select(&mut self, joint: Joint, stage: Stage) {
+        if let Some(model) = self.models.get_mut(joint.index()) {
             model.select(stage);
         }
     }
@@ -194,15 +194,18 @@ impl Drives for BrushedDrives {
     }
 
     #[inline(always)]
-    fn begin_watch(&mut self, joint: usize) {
-        if let Some(motor) = self.motors.get_mut(joint) {
+    fn begin_watch(&mut self, joint: Joint) {
+        if let Some(motor) = self.motors.get_mut(joint.index()) {
             motor.expect_oscillation();
         }
     }
 
     #[inline(always)]
-    fn watch(&mut self, joint: usize) -> Option<Fault> {
-        let (motor, model) = (self.motors.get_mut(joint)?, self.models.get(joint)?);
+    fn watch(&mut self, joint: Joint) -> Option<Fault> {
+        let (motor, model) = (
+            self.motors.get_mut(joint.index())?,
+            self.models.get(joint.index())?,
+        );
         if motor.warm(model) {
             Some(Fault::OverTemperature)
         } else {
@@ -231,9 +234,11 @@ impl Drives for BrushedDrives {
     }
 
     /// The other motor is shorted by its bridge.
-    fn excite(&mut self, joint: usize, of: Excited, value: f32, velocity: f32) {
-        let (Some(motor), Some(model)) = (self.motors.get_mut(joint), self.models.get(joint))
-        else {
+    fn excite(&mut self, joint: Joint, of: Excited, value: f32, velocity: f32) {
+        let (Some(motor), Some(model)) = (
+            self.motors.get_mut(joint.index()),
+            self.models.get(joint.index()),
+        ) else {
             return;
         };
         match of {
@@ -249,7 +254,7 @@ impl Drives for BrushedDrives {
 #[cfg(test)]
 impl BrushedDrives {
     /// A current sensor that shows no number.
-    pub(crate) fn spoil(&mut self, joint: usize) {
+    pub(crate) fn spoil(&mut self, joint: Joint) {
         self.models[joint].spoil();
     }
 

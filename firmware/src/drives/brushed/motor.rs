@@ -2,7 +2,6 @@
 
 use super::motor_check::{MotorCheck, MotorLimits, MotorSample};
 use super::oscillation::{self, Oscillation};
-use super::overload::{Overload, OverloadLimits};
 use super::{MOST_DUTY, bandwidth_share};
 use crate::drives::{JointState, Stage, WATCHED_EVERY};
 use crate::safety::Fault;
@@ -29,7 +28,6 @@ pub(super) struct Motor {
     heat: MotorHeat<f32>,
     check: MotorCheck,
     oscillation: Oscillation,
-    overload: Overload,
 }
 
 /// The constants of one motor.
@@ -45,7 +43,6 @@ pub(super) struct MotorModel {
     current_per_torque: f32,
     limits: MotorLimits,
     heating: MotorHeating<f32>,
-    overload_limits: OverloadLimits,
     /// Greatest mean change of the current set-point [A].
     oscillation_limit: f32,
     /// The current loops of an arm that moves, settles and rests.
@@ -61,7 +58,6 @@ impl MotorModel {
             current_loop(axis, control, Stage::Rests),
         ];
         let [moving, ..] = current_loops;
-        let watched_every = WATCHED_EVERY as f32 * (1.0 / control.tick_rate);
         Self {
             current_loop: moving,
             current_per_code: axis.current_per_code,
@@ -71,9 +67,8 @@ impl MotorModel {
             heating: MotorHeating::new(
                 axis.continuous_current,
                 axis.thermal_time_constant,
-                watched_every,
+                WATCHED_EVERY as f32 * (1.0 / control.tick_rate),
             ),
-            overload_limits: OverloadLimits::new(axis, watched_every),
             oscillation_limit: oscillation::limit(axis),
             current_loops,
         }
@@ -126,7 +121,6 @@ impl Motor {
             heat: MotorHeat::at_share(START_HEAT, axis.continuous_current),
             check: MotorCheck::new(),
             oscillation: Oscillation::NONE,
-            overload: Overload::NONE,
         }
     }
 
@@ -201,15 +195,13 @@ impl Motor {
         };
     }
 
-    /// Advances the heat by [`WATCHED_EVERY`] ticks at the motor's current; true while it is too hot, or has
-    /// carried about twice its continuous current for nearly 2 s. A sensor that shows less than the least current
-    /// that the motor's equation admits is not believed.
+    /// Advances the heat by [`WATCHED_EVERY`] ticks at the motor's current; true while it is too hot. A
+    /// sensor that shows less than the least current that the motor's equation admits is not believed.
     #[inline(always)]
     pub(super) fn warm(&mut self, model: &MotorModel) -> bool {
         let (measured, least) = (Scalar::abs(self.current), self.check.least_current());
         let current = if measured > least { measured } else { least };
-        let is_hot = model.heating.update(&mut self.heat, current);
-        self.overload.lasts(&model.overload_limits, current) || is_hot
+        model.heating.update(&mut self.heat, current)
     }
 
     /// Half of the ticks before [`Motor::oscillates`].
