@@ -177,7 +177,8 @@ impl<'b> Session<'b> {
         let number = self.refusals.len();
         let replace = self.replace.as_ref();
         let command = match replace.and_then(|replace| replace.get(number)) {
-            Some(true) => HostCommand::Status,
+            // A host's tick is no sign of life, so a status cannot stand for it.
+            Some(true) if !matches!(command, HostCommand::Tick(_)) => HostCommand::Status,
             _ => command,
         };
         self.refusals.push(false);
