@@ -119,20 +119,21 @@ impl Landmarks {
 }
 
 impl<D: Drives> ArmController<D> {
-    /// Compares the index pulses of this tick with the counts.
+    /// Compares an index pulse of this tick with the counts: joint 1's where both are shown, so that the longest tick
+    /// holds one.
     #[inline(always)]
     pub(super) fn compare_pulses(&mut self, sample: &ArmSample<D::Sample>) {
         let [index1, index4] = sample.index;
-        if index1 | index4 {
-            self.compare_pulse(0, index1);
-            self.compare_pulse(1, index4);
+        if index1 {
+            self.compare_pulse(0);
+        } else if index4 {
+            self.compare_pulse(1);
         }
     }
 
     #[inline(never)]
-    fn compare_pulse(&mut self, index: usize, shown: bool) {
-        if let (true, true, Some(joint), Some(landmarks)) = (
-            shown,
+    fn compare_pulse(&mut self, index: usize) {
+        if let (true, Some(joint), Some(landmarks)) = (
             self.homed_by_index,
             self.joints.get(index),
             self.landmarks.get_mut(index),

@@ -48,8 +48,11 @@ impl<In1: SetDutyCycle, In2: SetDutyCycle, Sleep: OutputPin> Bridge<In1, In2, Sl
             return;
         }
         let full = self.in1.max_duty_cycle();
-        // `as` saturates; the share is at most 1.
-        let driven = (duty.abs().min(1.0) * f32::from(full) + 0.5) as u16;
+        // Not `min`, which would call the library.
+        let size = duty.abs();
+        let share = if size > 1.0 { 1.0 } else { size };
+        // `as` saturates.
+        let driven = (share * f32::from(full) + 0.5) as u16;
         let braked = full.saturating_sub(driven);
         let (in1, in2) = if duty < 0.0 {
             (braked, full)
