@@ -100,7 +100,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 
 /// What is at the chip's pins, and what a hand can do there.
 enum World {
-    Arm(SharedArm, Hand),
+    Arm(SharedArm, Box<Hand>),
     Bare(SharedBareBoard),
 }
 
@@ -133,7 +133,10 @@ fn with_arm(robot: Robot) -> Result<(World, Box<dyn Wiring>), Box<dyn Error>> {
     let pose = robot.pose_near_home(before)?;
     let plant = Plant::new(&robot.plant_parameters()?, &Mismatch::default(), &pose, 1);
     let arm = SharedArm::new(Arm::new(plant.with_resolved_windings(), MILLISECOND));
-    Ok((World::Arm(arm.clone(), Hand::new(robot)), Box::new(arm)))
+    Ok((
+        World::Arm(arm.clone(), Box::new(Hand::new(robot))),
+        Box::new(arm),
+    ))
 }
 
 /// The lines of the input, which a thread reads.
