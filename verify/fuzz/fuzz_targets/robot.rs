@@ -2,6 +2,7 @@
 #![no_main]
 
 use fivebar_files::robot::{Robot, SliderRobot};
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::{ActuatorCommand, Planner};
 use fivebar_plant::{Mismatch, Plant};
 use libfuzzer_sys::fuzz_target;
@@ -28,7 +29,7 @@ fuzz_target!(|bytes: &[u8]| {
     let parameters = robot.plant_parameters().expect("it has masses");
     let mut plant = Plant::new(&parameters, &Mismatch::default(), &home, 1);
     let command = ActuatorCommand {
-        duty: [0.5, -0.5],
+        drives: BrushedCommand { duty: [0.5, -0.5] },
         enable: [true; 2],
         brake: false,
         tool: 0,

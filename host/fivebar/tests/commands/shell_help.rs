@@ -96,7 +96,7 @@ fn every_command_has_a_manual_page_with_its_examples() {
             "{page}"
         );
         assert!(
-            program.contains(&format!("fivebar\\-{command}(1)")),
+            program.contains(&format!("fivebar\\-{}(1)", command.replace('-', "\\-"))),
             "{command}"
         );
         assert!(all.contains(&page));
