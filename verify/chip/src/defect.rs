@@ -11,8 +11,6 @@ pub enum Defect {
     FixedOptionBytes,
     /// The flash has 512 KiB, as an STM32F405RE.
     HalfFlash,
-    /// TIM1 runs at half its clock.
-    SlowPwmTimer,
     /// An erase takes three times as long as is typical.
     WornFlash,
 }

@@ -186,11 +186,8 @@ impl Mcu {
             Some(_) if self.stalled_until == NEVER => at,
             Some(_) => self.stalled_until,
         };
-        let half = self.options.defect == Some(Defect::SlowPwmTimer);
-        self.tim1.set_clock(
-            (self.core * self.rcc.timer_cycles(1)) << u32::from(half),
-            at,
-        );
+        self.tim1
+            .set_clock(self.core * self.rcc.timer_cycles(1), at);
         self.tool
             .set_clock(self.core * self.rcc.timer_cycles(0), at);
         self.usart.set_clock(self.bus_period(1));

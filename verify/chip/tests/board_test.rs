@@ -74,7 +74,7 @@ fn a_board_without_the_right_crystal_tells_its_frequency() {
         let mut driven = Bench::with(options, Vec::new(), 0).connect();
         let facts = facts(&mut driven);
         assert_eq!(facts.core, 16_000_000);
-        let near = |found: u32| found / 100_000 * 100_000;
+        let near = |found: u32| (found + 100_000) / 200_000 * 200_000;
         assert_eq!(facts.crystal.map(near), expected);
     }
 }
