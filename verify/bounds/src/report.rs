@@ -175,7 +175,8 @@ pub fn read(text: &str) -> (String, Vec<Row>) {
         let stack = next();
         let known = longest.iter().all(Option::is_some);
         let longest = known.then(|| longest.map(Option::unwrap_or_default));
-        Some(Row {
+        // The heading has neither.
+        (known || stack.is_some()).then(|| Row {
             name: name.trim().to_owned(),
             longest,
             stack: stack.map(|stack| stack as u32),

@@ -17,7 +17,7 @@ const FIGURES: &str = include_str!("../figures.txt");
 
 fn image(name: &str) -> Image {
     let built = option_env!("CARGO_TARGET_DIR")
-        .unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../target"));
+        .unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../../target"));
     let path = Path::new(built)
         .join("firmware/thumbv7em-none-eabihf/firmware")
         .join(name);
@@ -57,7 +57,7 @@ fn places(image: &Image, function: &str) -> Vec<u32> {
 const TICKS: [(&str, &str); 2] = [
     (
         "tick",
-        "fivebar_firmware::controller::tick::<impl fivebar_firmware::controller::Controller>::tick",
+        "fivebar_firmware::controller::tick::<impl fivebar_firmware::controller::ArmController<D>>::tick",
     ),
     ("stm32f405", "ADC"),
 ];
