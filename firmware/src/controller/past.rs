@@ -20,8 +20,8 @@ pub(super) struct Past {
     ring: [Setpoint; KEPT],
     /// Where the newest one is.
     newest: usize,
-    /// So many before it belong to the same motion.
-    before: usize,
+    /// So many, with it, belong to the same motion.
+    kept: usize,
 }
 
 /// The motion of one joint between the moment of this sample and that of the set-point.
@@ -60,26 +60,27 @@ impl Age {
 }
 
 impl Past {
+    /// None yet.
     pub(super) fn none() -> Self {
         Self {
             ring: [Setpoint::hold([Vector2::zeros(); 2]); KEPT],
             newest: 0,
-            before: 0,
+            kept: 0,
         }
     }
 
     /// The joints rest at the set-point that is kept next, and have rested there.
     #[inline(always)]
     pub(super) fn restart(&mut self) {
-        self.before = 0;
+        self.kept = 0;
     }
 
     /// Keeps the set-point of this tick.
     #[inline(always)]
     pub(super) fn keep(&mut self, setpoint: &Setpoint) {
         self.newest = (self.newest + 1) % KEPT;
-        if self.before < KEPT - 1 {
-            self.before += 1;
+        if self.kept < KEPT - 1 {
+            self.kept += 1;
         }
         if let Some(kept) = self.ring.get_mut(self.newest) {
             *kept = *setpoint;
@@ -95,11 +96,11 @@ impl Past {
             .unwrap_or(0.0)
     }
 
-    /// The set-point of so many ticks before the newest one, or the first one of this motion.
+    /// The set-point of so many ticks before the newest one, or the first one of this motion; none before it.
     #[inline(always)]
     fn ago(&self, ticks: usize) -> Option<&Setpoint> {
         // The first one that is kept counts itself.
-        let most = self.before.saturating_sub(1);
+        let most = self.kept.checked_sub(1)?;
         let ticks = if ticks < most { ticks } else { most };
         self.ring.get((self.newest + KEPT - ticks) % KEPT)
     }
@@ -187,9 +188,11 @@ mod tests {
     fn nothing_lies_between_set_points_of_before_a_restart() {
         let mut past = swung(100);
         past.restart();
+        let age = Age::new(1e-3, PERIOD);
+        let still = |past: &Past| Joint::ALL.map(|joint| past.alpha(joint, &age)) == [0.0; 2];
+        assert!(still(&past), "before a set-point is kept");
         let rest = Setpoint::hold([1.0, 2.0].map(Vector2::unit));
         past.keep(&rest);
-        let age = Age::new(1e-3, PERIOD);
         let nothing = Between {
             angle: 0.0,
             omega: 0.0,

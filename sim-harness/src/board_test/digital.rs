@@ -7,6 +7,7 @@ use crate::link::LinkError;
 use fivebar_firmware::Request;
 use fivebar_firmware::recorder::Signals;
 use fivebar_firmware::safety::Fault;
+use fivebar_kinematics::five_bar::Joint;
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
 
@@ -14,12 +15,12 @@ use std::io::{Read, Write};
 const ROWS: usize = 320;
 const EVERY: u16 = 5;
 
-/// An input: its row, its pin, its joint's place, and the count of a pulse while the other input is high.
-const INPUTS: [(&str, &str, usize, i16); 4] = [
-    ("encoder 1 A", "PA0", 0, -1),
-    ("encoder 1 B", "PA1", 0, 1),
-    ("encoder 4 A", "PA15", 1, -1),
-    ("encoder 4 B", "PB3", 1, 1),
+/// An input: its row, its pin, its joint, and the count of a pulse while the other input is high.
+const INPUTS: [(&str, &str, Joint, i16); 4] = [
+    ("encoder 1 A", "PA0", Joint::Joint1, -1),
+    ("encoder 1 B", "PA1", Joint::Joint1, 1),
+    ("encoder 4 A", "PA15", Joint::Joint4, -1),
+    ("encoder 4 B", "PB3", Joint::Joint4, 1),
 ];
 
 /// What the counts of a joint did.
@@ -31,10 +32,10 @@ enum Counts {
     Else,
 }
 
-fn counts(rows: &[Vec<u16>], joint: usize) -> Counts {
+fn counts(rows: &[Vec<u16>], joint: Joint) -> Counts {
     let mut places = BTreeMap::new();
     for row in rows {
-        *places.entry(row[joint] as i16).or_insert(0_usize) += 1;
+        *places.entry(row[joint.index()] as i16).or_insert(0_usize) += 1;
     }
     let base = places.iter().max_by_key(|(_, times)| **times);
     let Some((&base, _)) = base else {
@@ -75,7 +76,7 @@ pub(super) fn encoders<L: Read + Write>(
             rows.push(limit.not_seen("the controller records nothing", super::bench::LATER));
             continue;
         }
-        let (own, other) = (counts(&log, joint), counts(&log, 1 - joint));
+        let (own, other) = (counts(&log, joint), counts(&log, joint.other()));
         let wrong = |why: String| {
             let remedy = "check the wire to this pin, then the pin's solder joint and the table of pins in \
                           docs/use/wiring.md";
