@@ -29,11 +29,14 @@ use std::f64::consts::{PI, TAU};
 /// The number of points on each closed curve before refinement.
 const POINTS: u32 = 360;
 /// The greatest distance between neighbouring points, as a share of the arm's reach; larger
-/// steps are halved.
+/// steps are divided.
 const CHORD: f64 = 0.004;
-/// How often a step is halved at most. Where two links nearly coincide, a small angle moves
+/// How often a step is divided at most. Where two links nearly coincide, a small angle moves
 /// the tool far.
-const MAX_REFINEMENTS: u32 = 12;
+const MAX_REFINEMENTS: u32 = 20;
+/// Where a step is divided. Not in its middle: both branches can coincide there, where the dyad does not
+/// close because of rounding.
+const DIVISION: f64 = 0.45;
 /// Bisections to find where a curve leaves its working mode, to 1e-12 of a turn.
 const BISECTIONS: u32 = 32;
 
@@ -58,11 +61,13 @@ pub fn singularity_curves(tool: &Tool<f64>, mode: WorkingMode) -> Vec<Singularit
     let mut curves = Vec::new();
     for family in families {
         for curve in family.curves() {
+            let at = |t: f64| family.at(curve, t.rem_euclid(TAU));
+            let parameters = refined(|t| at(t).map(|(position, _)| position), chord);
             let position = |t: f64| {
-                let (position, elbows) = family.at(curve, t.rem_euclid(TAU))?;
+                let (position, elbows) = at(t)?;
                 family.is_in(elbows, mode).then_some(position)
             };
-            let pieces = connected_pieces(position, chord);
+            let pieces = connected_pieces(position, &parameters);
             curves.extend(pieces.into_iter().map(|points| SingularityCurve {
                 singularity: family.singularity,
                 points,
@@ -213,19 +218,50 @@ fn in_line(tool: &Tool<f64>, sign: f64, u1: Vector2<f64>) -> Vector2<f64> {
     u1 * tool.geometry().l1() + back.to_base_frame(bt) * tool.geometry().l2()
 }
 
-/// The connected parts of a closed curve, t ∈ 0…2π, on which `position` gives a position. Their ends
-/// are found by bisection. Neighbouring points are at most `chord` [m] apart, within the limit
-/// of [`MAX_REFINEMENTS`].
-fn connected_pieces(
-    position: impl Fn(f64) -> Option<Vector2<f64>>,
-    chord: f64,
-) -> Vec<Vec<Vector2<f64>>> {
+/// Parameters t of a closed curve, once around, whose positions are at most `chord` [m] apart, within
+/// the limit of [`MAX_REFINEMENTS`]. All working modes are refined: where the tool moves far within a
+/// small angle, it can pass through a mode between two steps.
+fn refined(position: impl Fn(f64) -> Option<Vector2<f64>>, chord: f64) -> Vec<f64> {
     let step = TAU / f64::from(POINTS);
     // Half a step of offset avoids the points at which both branches coincide.
-    let t = |index: u32| (f64::from(index) + 0.5) * step;
-    let start = (0..POINTS).find(|&index| position(t(index)).is_none());
-    let closed = start.is_none();
-    let start = start.unwrap_or(0);
+    let sample = |index: u32| {
+        let t = (f64::from(index) + 0.5) * step;
+        (t, position(t))
+    };
+    let mut parameters = Vec::new();
+    for index in 0..POINTS {
+        let ends = [sample(index), sample(index + 1)];
+        parameters.push(ends[0].0);
+        divide(&position, ends, chord, MAX_REFINEMENTS, &mut parameters);
+    }
+    parameters
+}
+
+/// Adds parameters between two whose positions are more than `chord` [m] apart.
+fn divide(
+    position: &impl Fn(f64) -> Option<Vector2<f64>>,
+    [from, to]: [(f64, Option<Vector2<f64>>); 2],
+    chord: f64,
+    divisions: u32,
+    parameters: &mut Vec<f64>,
+) {
+    let are_near = |(from, to): (Vector2<f64>, Vector2<f64>)| (to - from).norm() <= chord;
+    if divisions == 0 || from.1.zip(to.1).is_none_or(are_near) {
+        return;
+    }
+    let t = from.0 + DIVISION * (to.0 - from.0);
+    let middle = (t, position(t));
+    divide(position, [from, middle], chord, divisions - 1, parameters);
+    parameters.push(t);
+    divide(position, [middle, to], chord, divisions - 1, parameters);
+}
+
+/// The connected parts of a closed curve, where `position` gives a position, at these parameters.
+/// Their ends are found by bisection.
+fn connected_pieces(
+    position: impl Fn(f64) -> Option<Vector2<f64>>,
+    parameters: &[f64],
+) -> Vec<Vec<Vector2<f64>>> {
     let edge = |mut inside: f64, mut outside: f64| {
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
@@ -234,52 +270,25 @@ fn connected_pieces(
                 None => outside = middle,
             }
         }
-        inside
+        position(inside)
     };
+    let start = parameters.iter().position(|&t| position(t).is_none());
+    let (before, after) = parameters.split_at(start.unwrap_or(0));
+    let again = before.iter().chain(after.first()).map(|t| t + TAU);
     let (mut pieces, mut piece) = (Vec::new(), Vec::new());
-    let extend = |piece: &mut Vec<(f64, Vector2<f64>)>, t: f64| {
-        let Some(point) = position(t) else { return };
-        if let Some(&last) = piece.last() {
-            between(&position, last, (t, point), chord, MAX_REFINEMENTS, piece);
-        }
-        piece.push((t, point));
-    };
-    for index in start..=start + POINTS {
-        let now = t(index);
-        if position(now).is_some() {
-            if piece.is_empty() && !closed {
-                extend(&mut piece, edge(now, now - step));
-            }
-            extend(&mut piece, now);
-        } else if !piece.is_empty() {
-            extend(&mut piece, edge(now - step, now));
+    let mut last = None;
+    for now in after.iter().copied().chain(again) {
+        if let Some(point) = position(now) {
+            let outside = last.filter(|_| piece.is_empty());
+            piece.extend(outside.and_then(|outside| edge(now, outside)));
+            piece.push(point);
+        } else if let Some(inside) = last.filter(|_| !piece.is_empty()) {
+            piece.extend(edge(inside, now));
             pieces.push(core::mem::take(&mut piece));
         }
+        last = Some(now);
     }
     pieces.push(piece);
     pieces.retain(|piece| piece.len() > 1);
-    let points =
-        |piece: Vec<(f64, Vector2<f64>)>| piece.into_iter().map(|(_, point)| point).collect();
-    pieces.into_iter().map(points).collect()
-}
-
-/// Adds positions between two that are more than `chord` [m] apart.
-fn between(
-    position: &impl Fn(f64) -> Option<Vector2<f64>>,
-    from: (f64, Vector2<f64>),
-    to: (f64, Vector2<f64>),
-    chord: f64,
-    halvings: u32,
-    piece: &mut Vec<(f64, Vector2<f64>)>,
-) {
-    if halvings == 0 || (to.1 - from.1).norm() <= chord {
-        return;
-    }
-    let t = 0.5 * (from.0 + to.0);
-    if let Some(point) = position(t) {
-        let middle = (t, point);
-        between(position, from, middle, chord, halvings - 1, piece);
-        piece.push(middle);
-        between(position, middle, to, chord, halvings - 1, piece);
-    }
+    pieces
 }
