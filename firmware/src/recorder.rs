@@ -81,8 +81,8 @@ pub struct LogPage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InvalidLog;
 
-/// The log.
-pub struct Recorder {
+/// What a log does.
+pub struct LogControl {
     state: AtomicU8,
     signals: AtomicU8,
     /// Words of a row.
@@ -92,8 +92,23 @@ pub struct Recorder {
     wait: AtomicU16,
     words: AtomicU16,
     first_tick: AtomicU32,
-    /// Behind the log's room, a row of words that are written and never read.
-    store: [AtomicU16; LOG_WORDS + SIGNALS],
+}
+
+/// The words of a log, and behind them a row of words that are written and never read. Each word is written
+/// before it is read: memory that no start-up code clears will do.
+pub struct LogWords([AtomicU16; LOG_WORDS + SIGNALS]);
+
+/// A log with its memory in one piece, for desktops.
+pub struct Log {
+    control: LogControl,
+    words: LogWords,
+}
+
+/// A log: what it does, and its memory, which may lie elsewhere.
+#[derive(Clone, Copy)]
+pub struct Recorder<'a> {
+    control: &'a LogControl,
+    store: &'a LogWords,
 }
 
 /// The number of [`Signals`].
@@ -104,26 +119,65 @@ const WAITING: u8 = 1;
 const RECORDING: u8 = 2;
 const FULL: u8 = 3;
 
-impl Default for Recorder {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Recorder {
-    /// An empty log.
+impl LogControl {
+    /// An empty log. All zeros: the linker then needs no copy of it in flash.
     pub const fn new() -> Self {
         Self {
             state: AtomicU8::new(EMPTY),
             signals: AtomicU8::new(0),
             row: AtomicU8::new(0),
-            // All zeros: the linker then needs no copy of the log in flash.
             every: AtomicU16::new(0),
             wait: AtomicU16::new(0),
             words: AtomicU16::new(0),
             first_tick: AtomicU32::new(0),
-            store: [const { AtomicU16::new(0) }; LOG_WORDS + SIGNALS],
         }
+    }
+}
+
+impl LogWords {
+    /// Words of an empty log.
+    pub const fn new() -> Self {
+        Self([const { AtomicU16::new(0) }; LOG_WORDS + SIGNALS])
+    }
+}
+
+impl Default for LogControl {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Default for LogWords {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Log {
+    /// An empty log.
+    pub const fn new() -> Self {
+        Self {
+            control: LogControl::new(),
+            words: LogWords::new(),
+        }
+    }
+
+    /// What records in it and reads it.
+    pub const fn recorder(&self) -> Recorder<'_> {
+        Recorder::new(&self.control, &self.words)
+    }
+}
+
+impl Default for Log {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<'a> Recorder<'a> {
+    /// A log in this memory.
+    pub const fn new(control: &'a LogControl, store: &'a LogWords) -> Self {
+        Self { control, store }
     }
 
     /// Drops what was recorded and begins a log.
@@ -135,22 +189,22 @@ impl Recorder {
             return Err(InvalidLog);
         }
         // The tick's interrupt leaves an empty log alone.
-        self.state.store(EMPTY, Ordering::SeqCst);
-        self.signals.store(config.signals, Ordering::SeqCst);
+        self.control.state.store(EMPTY, Ordering::SeqCst);
+        self.control.signals.store(config.signals, Ordering::SeqCst);
         let row = config.signals.count_ones() as u8;
-        self.row.store(row, Ordering::SeqCst);
-        self.every.store(config.every, Ordering::SeqCst);
-        self.wait.store(0, Ordering::SeqCst);
-        self.words.store(0, Ordering::SeqCst);
+        self.control.row.store(row, Ordering::SeqCst);
+        self.control.every.store(config.every, Ordering::SeqCst);
+        self.control.wait.store(0, Ordering::SeqCst);
+        self.control.words.store(0, Ordering::SeqCst);
         let state = if config.powered { WAITING } else { RECORDING };
-        self.state.store(state, Ordering::SeqCst);
+        self.control.state.store(state, Ordering::SeqCst);
         Ok(())
     }
 
     /// Records a tick, if a row is due. Its number counts from the reset.
     #[inline(always)]
     pub fn record(&self, sample: &SensorSample, command: &ActuatorCommand, tick: u32) {
-        let state = self.state.load(Ordering::Relaxed);
+        let state = self.control.state.load(Ordering::Relaxed);
         if state == EMPTY || state == FULL {
             return;
         }
@@ -159,30 +213,32 @@ impl Recorder {
             if !(enable1 || enable4) {
                 return;
             }
-            self.state.store(RECORDING, Ordering::Relaxed);
+            self.control.state.store(RECORDING, Ordering::Relaxed);
         }
-        let wait = self.wait.load(Ordering::Relaxed);
+        let wait = self.control.wait.load(Ordering::Relaxed);
         if wait > 0 {
-            self.wait.store(wait - 1, Ordering::Relaxed);
+            self.control.wait.store(wait - 1, Ordering::Relaxed);
             return;
         }
-        let every = self.every.load(Ordering::Relaxed);
-        self.wait.store(every.saturating_sub(1), Ordering::Relaxed);
-        let start = self.words.load(Ordering::Relaxed);
-        let row = u16::from(self.row.load(Ordering::Relaxed));
+        let every = self.control.every.load(Ordering::Relaxed);
+        self.control
+            .wait
+            .store(every.saturating_sub(1), Ordering::Relaxed);
+        let start = self.control.words.load(Ordering::Relaxed);
+        let row = u16::from(self.control.row.load(Ordering::Relaxed));
         if usize::from(start) + usize::from(row) > LOG_WORDS {
-            self.state.store(FULL, Ordering::Relaxed);
+            self.control.state.store(FULL, Ordering::Relaxed);
             return;
         }
         if start == 0 {
-            self.first_tick.store(tick, Ordering::Relaxed);
+            self.control.first_tick.store(tick, Ordering::Relaxed);
         }
-        let rest = self.store.get(usize::from(start)..);
+        let rest = self.store.0.get(usize::from(start)..);
         let Some(words) = rest.and_then(<[AtomicU16]>::first_chunk::<SIGNALS>) else {
             return;
         };
         // Without a branch: a signal that is not chosen is overwritten by the next one, or lies behind the row.
-        let mut signals = usize::from(self.signals.load(Ordering::Relaxed));
+        let mut signals = usize::from(self.control.signals.load(Ordering::Relaxed));
         let mut place = 0;
         let mut put = |value: u16| {
             if let Some(word) = words.get(place % SIGNALS) {
@@ -203,14 +259,14 @@ impl Recorder {
         put(scaled(duty4));
         put(sample.drives.bus_voltage);
         put(inputs(sample, command));
-        self.words.store(start + row, Ordering::Relaxed);
+        self.control.words.store(start + row, Ordering::Relaxed);
     }
 
     /// The words from `from` on.
     pub fn page(&self, from: u16) -> LogPage {
-        let words = self.words.load(Ordering::Relaxed);
+        let words = self.control.words.load(Ordering::Relaxed);
         let mut page = [[0; PAGE_ROW]; 2];
-        let recorded = self.store.get(usize::from(from)..usize::from(words));
+        let recorded = self.store.0.get(usize::from(from)..usize::from(words));
         for (slot, word) in page
             .iter_mut()
             .flatten()
@@ -219,14 +275,14 @@ impl Recorder {
             *slot = word.load(Ordering::Relaxed);
         }
         LogPage {
-            state: match self.state.load(Ordering::Relaxed) {
+            state: match self.control.state.load(Ordering::Relaxed) {
                 WAITING => LogState::Waiting,
                 RECORDING => LogState::Recording,
                 FULL => LogState::Full,
                 _ => LogState::Empty,
             },
             words,
-            first_tick: self.first_tick.load(Ordering::Relaxed),
+            first_tick: self.control.first_tick.load(Ordering::Relaxed),
             page,
         }
     }

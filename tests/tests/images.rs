@@ -1,14 +1,19 @@
 //! The sizes of the firmware images, and the functions and texts in them.
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
+use std::ops::Range;
 
 use fivebar_sim::link::Emulator;
 
-/// Flash and static RAM of the production image [bytes].
+/// Flash and static memory of the production image [bytes].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 struct Size {
     flash: u64,
+    /// Static data in the main RAM, and in the core-coupled memory.
     static_ram: u64,
+    static_ccm: u64,
+    /// What is left of both, without the stack's space.
+    free_static: u64,
 }
 
 /// As last committed.
@@ -17,7 +22,13 @@ const COMMITTED: &str = include_str!("../data/image_size.json");
 const BUDGET: Size = Size {
     flash: 192 * 1024,
     static_ram: 64 * 1024,
+    static_ccm: 64 * 1024,
+    // At least.
+    free_static: 90 * 1024,
 };
+/// The main RAM and the core-coupled memory.
+const RAM: Range<u64> = 0x2000_0000..0x2002_0000;
+const CCM: Range<u64> = 0x1000_0000..0x1001_0000;
 /// The share by which another compiler's image may differ from the committed one.
 const TOLERANCE: f64 = 0.1;
 
@@ -33,7 +44,12 @@ fn size(image: &[u8]) -> Size {
     let mut size = Size {
         flash: 0,
         static_ram: 0,
+        static_ccm: 0,
+        free_static: 0,
     };
+    // Where the static data begin: in the RAM above the stack. The images without one begin with them.
+    let stack = file.symbols().find(|it| it.name() == Ok("_stack_start"));
+    let [mut ram, mut ccm] = [stack.map_or(RAM.start, |it| it.address()), CCM.start];
     for section in file.sections() {
         let SectionFlags::Elf { sh_flags } = section.flags() else {
             panic!("an ELF image has ELF sections");
@@ -43,10 +59,16 @@ fn size(image: &[u8]) -> Size {
         }
         let stored = section.file_range().map_or(0, |(_, bytes)| bytes);
         size.flash += stored;
-        if section.address() >= 0x2000_0000 {
+        let end = section.address() + section.size();
+        if RAM.contains(&section.address()) {
             size.static_ram += section.size();
+            ram = ram.max(end);
+        } else if CCM.contains(&section.address()) {
+            size.static_ccm += section.size();
+            ccm = ccm.max(end);
         }
     }
+    size.free_static = RAM.end - ram + (CCM.end - ccm);
     size
 }
 
@@ -57,9 +79,13 @@ fn the_production_image_is_as_small_as_committed_and_within_budget() {
     println!("{now:?}");
     assert!(now.flash <= BUDGET.flash, "{now:?}");
     assert!(now.static_ram <= BUDGET.static_ram, "{now:?}");
+    assert!(now.static_ccm <= BUDGET.static_ccm, "{now:?}");
+    assert!(now.free_static >= BUDGET.free_static, "{now:?}");
     let pairs = [
         (now.flash, committed.flash),
         (now.static_ram, committed.static_ram),
+        (now.static_ccm, committed.static_ccm),
+        (now.free_static, committed.free_static),
     ];
     for (now, then) in pairs {
         let (now, then) = (now as f64, then as f64);
@@ -68,6 +94,22 @@ fn the_production_image_is_as_small_as_committed_and_within_budget() {
             "{now} bytes, committed {then}; if that is right, write it into tests/data/image_size.json"
         );
     }
+}
+
+/// Nothing that is loaded or cleared at the start lies in the core-coupled memory, which the emulated board does not
+/// have, and no memory of the DMA, which does not reach it.
+#[test]
+fn the_core_coupled_memory_holds_what_is_written_before_it_is_read() {
+    let image = image("stm32f405");
+    let file = object::File::parse(&*image).expect("an ELF image");
+    let inside = file.symbols().filter(|it| CCM.contains(&it.address()));
+    let names: Vec<_> = inside.filter_map(|it| it.name().ok()).collect();
+    let log = |name: &&str| name.contains("LOG_WORDS") || name.starts_with('$');
+    assert!(names.iter().any(log) && names.iter().all(log), "{names:?}");
+    let mut sections = file
+        .sections()
+        .filter(|it| CCM.contains(&it.address()) && it.size() > 0);
+    assert!(sections.all(|it| it.file_range().is_none_or(|(_, bytes)| bytes == 0)));
 }
 
 /// A stack that grows too large leaves the RAM; it does not overwrite variables.
@@ -83,7 +125,8 @@ fn the_stack_lies_below_everything_else_in_ram() {
         let (end, start) = (address("_stack_end"), address("_stack_start"));
         assert_eq!(end, 0x2000_0000, "{name}: the RAM's beginning");
         assert!(start >= end + 16 * 1024, "{name}: {start:#x}");
-        let variables = file.sections().filter(|section| section.address() >= end);
+        let in_ram = |address| RAM.contains(&address);
+        let variables = file.sections().filter(|it| in_ram(it.address()));
         let lowest = variables.map(|section| section.address()).min();
         assert!(lowest >= Some(start), "{name}: {lowest:x?}");
     }

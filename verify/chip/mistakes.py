@@ -17,7 +17,7 @@ import seeded_mistakes
 # What, file, and pairs of old and new text.
 MISTAKES = [
     ("the converter's trigger: enable instead of update", "pwm.rs", "w.mms().update()", "w.mms().enable()"),
-    ("encoders swapped", "encoders.rs", "(self.joint1.count(), self.joint4.count())", "(self.joint4.count(), self.joint1.count())"),
+    ("encoders swapped", "encoders.rs", "[timer1.ccr(2).read().bits(), timer4.ccr(2).read().bits()]", "[timer4.ccr(2).read().bits(), timer1.ccr(2).read().bits()]"),
     ("break polarity", "pwm.rs", ".bkp().active_high()", ".bkp().active_low()"),
     ("break input not enabled", "pwm.rs", "w.bke().enabled()", "w.bke().disabled()"),
     ("outputs return by themselves after a break", "pwm.rs", ".aoe().manual()", ".aoe().automatic()"),
@@ -63,7 +63,7 @@ MISTAKES = [
     ("APB1 undivided", "clocks.rs", ".ppre1().div4()", ".ppre1().div1()"),
     ("the slow tick's reload", "clocks.rs", "const SLOW_TICK: u32 = 16_000;", "const SLOW_TICK: u32 = 168_000;"),
     ("the clock failure not acknowledged", "clocks.rs", "    rcc.cir().modify(|_, w| w.cssc().set_bit());\n", ""),
-    ("joint 4's filter of three times the length", "encoders.rs", "w.ic1f().fdts_div8_n6().ic2f().fdts_div8_n6());\n        encoders", "w.ic1f().fdts_div32_n5().ic2f().fdts_div32_n5());\n        encoders"),
+    ("joint 4's filter of three times the length", "encoders.rs", "w.ic1f().fdts_div8_n6().ic2f().fdts_div8_n6());\n        // SAFETY", "w.ic1f().fdts_div32_n5().ic2f().fdts_div32_n5());\n        // SAFETY"),
     ("a filter on one input of two", "encoders.rs", ".ic2f().fdts_div8_n6());\n        timer4", ".ic2f().no_filter());\n        timer4"),
     ("current 1's sample time of 3 cycles", "analog.rs", "w.smp10().cycles28()", "w.smp10().cycles3()"),
     ("current 4's sample time of 15 cycles", "analog.rs", "w.smp11().cycles28()", "w.smp11().cycles15()"),
@@ -128,6 +128,8 @@ MISTAKES = [
     ("too little allowed for the internal oscillator", "crystal.rs", "7_600_000..=8_750_000", "7_600_000..=8_100_000"),
     ("a fault output pulled up", "pins.rs", "fault1: b.pb0.into_pull_down_input()", "fault1: b.pb0.into_pull_up_input()"),
     ("joint 4's fault output without its pull-down", "pins.rs", "fault4: b.pb1.into_pull_down_input()", "fault4: b.pb1.into_floating_input()"),
+    ("joint 1's counts latched by another timer", "encoders.rs", "const TIM8_OF_TIM5: u8 = 3;", "const TIM8_OF_TIM5: u8 = 2;"),
+    ("the latch's pulse not from TIM1's trigger", "encoders.rs", "w.ts().itr0().sms()", "w.ts().itr1().sms()"),
 ]
 
 

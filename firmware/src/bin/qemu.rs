@@ -23,7 +23,7 @@ mod app {
     use fivebar_firmware::board::{clocks, serial, stack};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
-    use fivebar_firmware::recorder::Recorder;
+    use fivebar_firmware::recorder::{Log, Recorder};
     use fivebar_firmware::session::{self, Session};
     use fivebar_firmware::storage::StorageError;
     use fivebar_firmware::{ActuatorCommand, Controller, SensorSample, Settings};
@@ -48,7 +48,7 @@ mod app {
     }
 
     /// The log at the tick rate.
-    static RECORDER: Recorder = Recorder::new();
+    static LOG: Log = Log::new();
 
     /// This board: it stores nothing, and its ticks come from the host.
     pub(crate) struct Lockstep {
@@ -71,12 +71,12 @@ mod app {
                 let command = controller.tick(sample);
                 (command, self.counter.since(start))
             });
-            RECORDER.record(sample, &command, controller.ticks());
+            LOG.recorder().record(sample, &command, controller.ticks());
             Some((command, instructions))
         }
 
-        fn recorder(&self) -> Option<&Recorder> {
-            Some(&RECORDER)
+        fn recorder(&self) -> Option<Recorder<'_>> {
+            Some(LOG.recorder())
         }
 
         fn stack(&self) -> Option<StackUse> {

@@ -31,14 +31,14 @@ mod app {
     use fivebar_firmware::board::analog::CurrentsAndBus;
     use fivebar_firmware::board::clocks::{self, Source};
     use fivebar_firmware::board::cycles::CycleMeter;
-    use fivebar_firmware::board::encoders::Encoders;
+    use fivebar_firmware::board::encoders::{self, Encoders};
     use fivebar_firmware::board::log::EventLog;
     use fivebar_firmware::board::outputs::BoardOutputs;
     use fivebar_firmware::board::pins::Pins;
     use fivebar_firmware::board::pwm::{PwmTimer, TICK_CYCLES};
     use fivebar_firmware::board::self_test::Started;
     use fivebar_firmware::board::sensors::Sensors;
-    use fivebar_firmware::board::services::{self, BoardServices, RECORDER};
+    use fivebar_firmware::board::services::{self, BoardServices};
     use fivebar_firmware::board::shared_controller::{Exchanged, Place, place};
     use fivebar_firmware::board::watchdog::Tasks;
     use fivebar_firmware::board::{brown_out, post_mortem, pwm, serial, tool};
@@ -104,6 +104,7 @@ mod app {
             encoders: Encoders::new(
                 (device.TIM5, pins.encoder1),
                 (device.TIM2, pins.encoder4),
+                device.TIM8,
                 &mut rcc,
             ),
             analog: CurrentsAndBus::new(
@@ -185,9 +186,10 @@ mod app {
         }
     }
 
-    /// Raises the converter's interrupt by software, because the PWM timer does not run.
+    /// Latches the encoders and raises the converter's interrupt by software, because the PWM timer does not run.
     #[task(binds = SysTick, priority = 3)]
     fn slow_tick(_: slow_tick::Context) {
+        encoders::latch();
         NVIC::pend(Interrupt::ADC);
     }
 
@@ -211,7 +213,7 @@ mod app {
                     controller.tick(&sample)
                 };
                 outputs.apply(&command);
-                RECORDER.record(&sample, &command, controller.ticks());
+                services::recorder().record(&sample, &command, controller.ticks());
                 outputs.timer.rearm_break();
             });
         });

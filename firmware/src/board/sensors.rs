@@ -21,7 +21,7 @@ impl Sensors {
     /// `stopped` is an emergency stop that the button no longer shows.
     #[inline]
     pub fn sample(&mut self, missed_ticks: u32, stopped: bool) -> SensorSample {
-        let counts = self.encoders.latch();
+        let counts = self.encoders.latched();
         let samples = self.analog.take();
         SensorSample {
             counts,

@@ -9,15 +9,25 @@ use super::storage::SettingsFlash;
 use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan};
-use crate::recorder::Recorder;
+use crate::recorder::{LogControl, LogWords, Recorder};
 use crate::session::Board;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
 use crate::{ActuatorCommand, Controller, SensorSample, Settings};
 use stm32f4xx_hal::pac::{FLASH, IWDG};
 
+static LOG: LogControl = LogControl::new();
+/// In the core-coupled memory, which nothing clears at the start.
+#[allow(unsafe_code)]
+// SAFETY: the linker script reserves the section for such data, and no word is read before it was written.
+#[unsafe(link_section = ".ccm.log")]
+static LOG_WORDS: LogWords = LogWords::new();
+
 /// The log at the tick rate.
-pub static RECORDER: Recorder = Recorder::new();
+#[inline(always)]
+pub fn recorder() -> Recorder<'static> {
+    Recorder::new(&LOG, &LOG_WORDS)
+}
 
 /// The settings' storage, and the watchdog, whose timeout is longer while settings are written.
 pub struct BoardServices {
@@ -113,8 +123,8 @@ impl Board for BoardServices {
         Some(stack::used())
     }
 
-    fn recorder(&self) -> Option<&Recorder> {
-        Some(&RECORDER)
+    fn recorder(&self) -> Option<Recorder<'_>> {
+        Some(recorder())
     }
 
     fn sample(&self) -> Option<SensorSample> {

@@ -65,7 +65,7 @@ pub trait Board {
     }
 
     /// The log at the tick rate; `None` on a board without one.
-    fn recorder(&self) -> Option<&Recorder> {
+    fn recorder(&self) -> Option<Recorder<'_>> {
         None
     }
 

@@ -6,7 +6,7 @@ use fivebar_firmware::protocol::{Board as Kind, Reset};
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, Frame, HostCommand, HostMessage, Identity, Reply, Sequence, VERSION,
 };
-use fivebar_firmware::recorder::Recorder;
+use fivebar_firmware::recorder::{Log, Recorder};
 use fivebar_firmware::session::{Board, Session};
 use fivebar_firmware::settings::{BoardLimits, CheckedSettings};
 use fivebar_firmware::storage::StorageError;
@@ -17,7 +17,7 @@ pub(crate) struct Memory {
     pub(crate) saved: Vec<Settings>,
     pub(crate) flash: Result<(), StorageError>,
     pub(crate) limits: Option<BoardLimits>,
-    pub(crate) recorder: Box<Recorder>,
+    pub(crate) log: Box<Log>,
     /// How often it was given settings.
     pub(crate) used: u32,
     /// What its own sensors show, if it has some.
@@ -45,12 +45,13 @@ impl Board for Memory {
         sample: &SensorSample,
     ) -> Option<(ActuatorCommand, u32)> {
         let command = controller.tick(sample);
-        self.recorder.record(sample, &command, controller.ticks());
+        let log = self.log.recorder();
+        log.record(sample, &command, controller.ticks());
         Some((command, 0))
     }
 
-    fn recorder(&self) -> Option<&Recorder> {
-        Some(&self.recorder)
+    fn recorder(&self) -> Option<Recorder<'_>> {
+        Some(self.log.recorder())
     }
 
     fn sample(&self) -> Option<SensorSample> {
@@ -88,7 +89,7 @@ impl Desk {
                 saved: Vec::new(),
                 flash: Ok(()),
                 limits: None,
-                recorder: Box::default(),
+                log: Box::default(),
                 used: 0,
                 sample: None,
             },

@@ -1,7 +1,7 @@
 //! A controller in this process behind a stream of bytes, like a board on a serial line.
 
 use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, Reset};
-use fivebar_firmware::recorder::Recorder;
+use fivebar_firmware::recorder::{Log, Recorder};
 use fivebar_firmware::session::{Board, Session, fault_at_start};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::storage::StorageError;
@@ -36,7 +36,7 @@ struct Desktop {
     /// The sample of the last tick.
     sample: SensorSample,
     /// The log at the tick rate.
-    recorder: Box<Recorder>,
+    log: Box<Log>,
 }
 
 impl Board for Desktop {
@@ -54,14 +54,15 @@ impl Board for Desktop {
             Some(_) => None,
             None => {
                 let command = controller.tick(sample);
-                self.recorder.record(sample, &command, controller.ticks());
+                let log = self.log.recorder();
+                log.record(sample, &command, controller.ticks());
                 Some((command, 0))
             }
         }
     }
 
-    fn recorder(&self) -> Option<&Recorder> {
-        Some(&self.recorder)
+    fn recorder(&self) -> Option<Recorder<'_>> {
+        Some(self.log.recorder())
     }
 
     fn sample(&self) -> Option<SensorSample> {
@@ -100,7 +101,7 @@ impl Loopback {
                 saved: None,
                 plant,
                 sample: SensorSample::default(),
-                recorder: Box::default(),
+                log: Box::default(),
             },
             decoder: Decoder::new(),
             out: VecDeque::new(),
@@ -139,7 +140,7 @@ impl Loopback {
             self.planner.run(&mut self.controller);
             self.board.sample = plant(command);
             *command = self.controller.tick(&self.board.sample);
-            let (log, sample) = (&self.board.recorder, &self.board.sample);
+            let (log, sample) = (self.board.log.recorder(), &self.board.sample);
             log.record(sample, command, self.controller.ticks());
         }
         self.send_telemetry();

@@ -7,8 +7,12 @@ use crate::peripherals::capture_timer::CaptureTimer;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Operation;
+use crate::peripherals::pulse_timer::PulseTimer;
 use crate::peripherals::pwm_timer::PwmTimer;
 use crate::violation::{Access, refuse};
+
+/// Offset of a timer's counter.
+const COUNTER: u32 = 0x24;
 
 impl Mcu {
     /// The program reads a register.
@@ -57,8 +61,12 @@ impl Mcu {
             Unit::Rcc => self.rcc.read(offset),
             Unit::Flash => self.flash.read(offset),
             Unit::Tim1 => self.tim1.read(offset, self.now),
+            Unit::Pulse => self.pulse.read(offset),
             Unit::Encoder(joint) => {
-                self.follow_encoder(joint);
+                self.follow_encoder(joint, self.now);
+                if offset == COUNTER {
+                    self.counts_are_taken(self.now);
+                }
                 self.encoders[joint].read(offset)
             }
             Unit::Tool => self.tool.read(offset, self.now),
@@ -105,8 +113,12 @@ impl Mcu {
                 }
                 Ok(())
             }
+            Unit::Pulse => {
+                let clock = self.pulse_clock();
+                self.pulse.write(offset, value, self.now, clock)
+            }
             Unit::Encoder(joint) => {
-                self.follow_encoder(joint);
+                self.follow_encoder(joint, self.now);
                 self.encoders[joint].write(offset, value)
             }
             Unit::Tool => self.tool.write(offset, value, self.now),
@@ -139,6 +151,9 @@ impl Mcu {
             if held {
                 *encoder = EncoderTimer::new();
             }
+        }
+        if self.rcc.in_reset(4) >> 1 & 1 != 0 {
+            self.pulse = PulseTimer::new();
         }
         if self.rcc.in_reset(4) >> 18 & 1 != 0 {
             self.capture = CaptureTimer::new();

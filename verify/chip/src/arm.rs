@@ -324,8 +324,11 @@ impl Wiring for SharedArm {
         (pin == SERIAL_IN).then_some(true)
     }
 
-    fn encoder(&mut self, _: Time, joint: Joint, filter: Time) -> i32 {
+    fn encoder(&mut self, now: Time, joint: Joint, filter: Time) -> i32 {
         let arm = &mut *self.get();
+        if now >= arm.sampled_at + FRESH {
+            arm.refresh(now);
+        }
         let disturbed = std::mem::take(&mut arm.glitch[joint]) > filter;
         arm.added[joint] += i32::from(disturbed);
         // One line alone counts a step to and fro.

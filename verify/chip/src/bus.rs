@@ -10,6 +10,8 @@ pub(crate) enum Unit {
     Rcc,
     Flash,
     Tim1,
+    /// TIM8.
+    Pulse,
     /// TIM5 of joint 1, TIM2 of joint 4.
     Encoder(Joint),
     Adc,
@@ -31,7 +33,7 @@ pub(crate) enum Unit {
 type Gate = Option<(usize, u32)>;
 
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
-const MAP: [(u32, u32, Unit, Gate); 15] = [
+const MAP: [(u32, u32, Unit, Gate); 16] = [
     (
         0x4000_0000,
         0x400,
@@ -48,6 +50,7 @@ const MAP: [(u32, u32, Unit, Gate); 15] = [
     (0x4000_3000, 0x400, Unit::Iwdg, None),
     (0x4000_7000, 0x400, Unit::Pwr, Some((3, 28))),
     (0x4001_0000, 0x400, Unit::Tim1, Some((4, 0))),
+    (0x4001_0400, 0x400, Unit::Pulse, Some((4, 1))),
     (0x4001_1000, 0x400, Unit::Usart1, Some((4, 4))),
     (0x4001_2000, 0x400, Unit::Adc, Some((4, 8))),
     (0x4001_4800, 0x400, Unit::Capture, Some((4, 18))),

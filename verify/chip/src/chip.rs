@@ -304,7 +304,13 @@ impl Chip {
 
     /// TIM1's counter when it last triggered the converters.
     pub fn counter_at_last_trigger(&mut self) -> Option<u32> {
-        self.mcu().triggered_at
+        self.mcu().triggered_at.map(|(counter, _)| counter)
+    }
+
+    /// Least and greatest time from TIM1's trigger to that of the encoders' counts which the program reads,
+    /// since the last call.
+    pub fn latched_after(&mut self) -> Option<[Time; 2]> {
+        self.mcu().latched_after.take()
     }
 
     /// Whether the watchdog has been started.

@@ -109,6 +109,7 @@ impl Cpu {
         self.figures.restart();
         if cause == ResetCause::Power {
             self.mcu.ram.fill(0xa5);
+            self.ccm.fill(0x5a);
         }
         let stack = self.vector(0);
         let entry = self.vector(1);

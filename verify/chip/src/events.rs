@@ -19,6 +19,7 @@ impl Mcu {
         self.rcc
             .due()
             .min(self.tim1.due())
+            .min(self.pulse.due())
             .min(self.tool.due())
             .min(self.adc.due())
             .min(self.usart.due())
@@ -54,6 +55,9 @@ impl Mcu {
                 self.trigger_converters(at);
             }
         }
+        if self.pulse.due() <= at && self.pulse.advance(at) {
+            self.latch_encoders(at);
+        }
         if self.tool.due() <= at {
             self.tool.advance(at);
         }
@@ -75,7 +79,11 @@ impl Mcu {
 
     pub(crate) fn trigger_converters(&mut self, at: Time) {
         let bus = self.bus_period(1);
-        self.triggered_at = Some(self.tim1.counter(at).0);
+        self.triggered_at = Some((self.tim1.counter(at).0, at));
+        if self.rcc.is_clocked(4, 1) {
+            let clock = self.pulse_clock();
+            self.pulse.trigger(at, clock);
+        }
         let triggered = self.adc.trigger(at, bus);
         for (place, window) in self.note(triggered).unwrap_or_default() {
             let edges = [[0, 1], [2, 3]].map(|[in1, in2]| {
@@ -112,8 +120,27 @@ impl Mcu {
         })
     }
 
-    /// Counts what the encoders have done up to now.
-    pub(crate) fn follow_encoder(&mut self, joint: Joint) {
+    /// TIM8 triggers TIM5 and TIM2.
+    fn latch_encoders(&mut self, at: Time) {
+        for (joint, trigger) in [(Joint::Joint1, 3), (Joint::Joint4, 1)] {
+            self.follow_encoder(joint, at);
+            if self.encoders[joint].trigger(trigger) {
+                self.counts_are_taken(at);
+            }
+        }
+    }
+
+    /// The program gets counts of this time.
+    pub(crate) fn counts_are_taken(&mut self, at: Time) {
+        if let Some((_, triggered)) = self.triggered_at {
+            let after = at - triggered;
+            let [least, greatest] = self.latched_after.unwrap_or([after; 2]);
+            self.latched_after = Some([least.min(after), greatest.max(after)]);
+        }
+    }
+
+    /// Counts what the encoders have done up to a time.
+    pub(crate) fn follow_encoder(&mut self, joint: Joint, at: Time) {
         // Joint 1 on TIM5 by PA0 and PA1, joint 4 on TIM2 by PA15 and PB3.
         let (pins, function) = [([(0, 0), (0, 1)], 2), ([(0, 15), (1, 3)], 1)][joint];
         let connected = pins
@@ -121,7 +148,7 @@ impl Mcu {
             .all(|&(port, pin)| self.is_alternate(port, pin, function));
         let clocks = self.encoders[joint].filter_clocks();
         let filter = self.core * self.rcc.timer_cycles(0) * u64::from(clocks);
-        let counts = self.wiring.encoder(self.now, joint, filter);
+        let counts = self.wiring.encoder(at, joint, filter);
         self.encoders[joint].follow(counts, connected);
     }
 

@@ -9,6 +9,7 @@ use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Flash;
 use crate::peripherals::gpio::Port;
 use crate::peripherals::iwdg::Iwdg;
+use crate::peripherals::pulse_timer::PulseTimer;
 use crate::peripherals::pwm_timer::PwmTimer;
 use crate::peripherals::rcc::Rcc;
 use crate::peripherals::reset_cause::ResetCause;
@@ -65,6 +66,8 @@ pub(crate) struct Mcu {
     pub(crate) rcc: Rcc,
     pub(crate) flash: Flash,
     pub(crate) tim1: Tim1,
+    /// TIM8.
+    pub(crate) pulse: PulseTimer,
     pub(crate) encoders: [EncoderTimer; 2],
     /// TIM3.
     pub(crate) tool: PwmTimer,
@@ -85,8 +88,10 @@ pub(crate) struct Mcu {
     /// The core stands still until then: the flash is busy.
     pub(crate) stalled_until: Time,
     pub(crate) bus_error: bool,
-    /// TIM1's counter when it last triggered the converters.
-    pub(crate) triggered_at: Option<u32>,
+    /// TIM1's counter when it last triggered the converters, and that time.
+    pub(crate) triggered_at: Option<(u32, Time)>,
+    /// Least and greatest time from there to that of the encoders' counts which the program reads.
+    pub(crate) latched_after: Option<[Time; 2]>,
     /// A reset that waits to be made.
     pub(crate) reset: Option<ResetCause>,
     pub(crate) violation: Option<Violation>,
@@ -109,6 +114,7 @@ impl Mcu {
             rcc,
             flash: Flash::with_defect(sectors, options.defect),
             tim1: Tim1::new(core),
+            pulse: PulseTimer::new(),
             encoders: [EncoderTimer::new(), EncoderTimer::new()],
             tool: PwmTimer::new(core),
             capture: CaptureTimer::new(),
@@ -128,6 +134,7 @@ impl Mcu {
             stalled_until: 0,
             bus_error: false,
             triggered_at: None,
+            latched_after: None,
             reset: None,
             violation: None,
             options,
@@ -142,6 +149,7 @@ impl Mcu {
         self.rcc.reset(cause);
         self.flash.reset();
         self.tim1.reset();
+        self.pulse = PulseTimer::new();
         self.encoders = [EncoderTimer::new(), EncoderTimer::new()];
         self.tool = PwmTimer::new(self.core);
         self.capture = CaptureTimer::new();
@@ -198,6 +206,10 @@ impl Mcu {
 
     pub(crate) fn bus_period(&self, bus: usize) -> Time {
         self.core * self.rcc.bus_cycles(bus)
+    }
+
+    pub(crate) fn pulse_clock(&self) -> Time {
+        self.core * self.rcc.timer_cycles(1)
     }
 
     pub(crate) fn capture_clocks(&self) -> Clocks {

@@ -3,9 +3,9 @@
 
 mod bench;
 
-use bench::raised::{TICK, at_the_end};
+use bench::raised::{TICK, at_the_end, moving};
 use bench::{Bench, Driven};
-use fivebar_chip::time::{MICROSECOND, MILLISECOND};
+use fivebar_chip::time::{MICROSECOND, MILLISECOND, Time};
 use fivebar_chip::{BRIDGE_DELAYS, Options, RepetitionReading};
 use fivebar_firmware::Request;
 use fivebar_firmware::controller::{Excitation, Excited};
@@ -33,6 +33,34 @@ fn a_converter_triggered_in_the_drive_pulse_keeps_the_arm_off() {
     driven.request(Request::ClearFault).expect("cleared");
     driven.run(2 * TICK);
     assert_eq!(driven.status().fault, Some(Fault::ClockFailure));
+}
+
+/// The longest blocking that the firmware's bounds allow.
+const BLOCKING: Time = 5 * MICROSECOND;
+/// By how much the time of the encoders' counts may differ from tick to tick: a hundredth of a microsecond.
+const LATCH_JITTER: Time = MICROSECOND / 100;
+
+#[test]
+fn nothing_that_blocks_the_tick_shifts_the_latch_of_the_encoders() {
+    let mut driven = moving();
+    driven.chip().latched_after();
+    let mut random = 1_u64;
+    for tick in 0..1000 {
+        // Knuth's generator: the core stands still for a while somewhere in each tick.
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        driven.run(TICK - BLOCKING + (random >> 40) % (2 * BLOCKING));
+        driven.chip().stall((random >> 20) % BLOCKING);
+        if tick % 50 == 0 {
+            driven.status();
+        }
+    }
+    assert_eq!(driven.status().fault, None);
+    let [least, greatest] = driven.chip().latched_after().expect("counts");
+    println!("latched {least} to {greatest} fs after the trigger");
+    assert!(greatest < MICROSECOND, "{greatest} fs after the trigger");
+    assert!(greatest - least <= LATCH_JITTER, "{least} to {greatest} fs");
 }
 
 #[test]

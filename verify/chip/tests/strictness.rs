@@ -58,6 +58,20 @@ fn an_operation_on_a_locked_register() {
 }
 
 #[test]
+fn the_core_coupled_memory_holds_no_code_has_no_bits_of_its_own_and_keeps_its_clock() {
+    const CCM: u32 = 0x1000_0000;
+    // str r1, [r0]; bx r0.
+    let report = report([0x4700_6001, 0], CCM | 1, 0xbf00_bf00);
+    assert!(report.contains("no code at this address"), "{report}");
+    // Where the alias of its bits would be.
+    let report = self::report(STORE, CCM + 0x0200_0000, 1);
+    assert!(report.contains("0x12000000 = 0x00000001"), "{report}");
+    // RCC_AHB1ENR without its bit.
+    let report = self::report(STORE, 0x4002_3830, 0);
+    assert!(report.contains("loses its clock"), "{report}");
+}
+
+#[test]
 fn an_address_without_memory() {
     let report = report(STORE, 0x3000_0000, 5);
     assert!(report.contains("0x30000000 = 0x00000005"), "{report}");

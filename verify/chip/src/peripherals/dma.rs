@@ -3,6 +3,9 @@
 use crate::register::Register;
 use crate::violation::{Access, refuse};
 
+/// The memory that DMA2 reaches: not the core-coupled one.
+const REACHED: std::ops::Range<u32> = 0x2000_0000..0x2002_0000;
+
 /// One stream.
 #[derive(Clone, Debug)]
 struct Stream {
@@ -188,7 +191,7 @@ impl Stream {
             "only bytes in direct mode with one buffer are simulated"
         } else if self.cr.bit(9) || self.cr.bit(5) || self.cr.field(6, 2) > 1 {
             "this kind of transfer is not simulated"
-        } else if !(0x2000_0000..0x2002_0000).contains(&self.m0ar) {
+        } else if !REACHED.contains(&self.m0ar) {
             "DMA2 does not reach this memory"
         } else {
             self.length = self.ndtr;
@@ -196,5 +199,26 @@ impl Stream {
             return Ok(());
         };
         refuse("DMA2_SxCR", value, rule)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Dma;
+
+    #[test]
+    fn a_stream_reaches_the_ram_and_not_the_core_coupled_memory() {
+        for (memory, reached) in [
+            (0x2000_0000, true),
+            (0x2001_ffff, true),
+            (0x1000_0000, false),
+            (0x2002_0000, false),
+        ] {
+            let mut dma = Dma::new();
+            for (offset, value) in [(0x14, 1), (0x18, 0x4001_1004), (0x1c, memory)] {
+                dma.write(offset, value).expect("legal");
+            }
+            assert_eq!(dma.write(0x10, 1).is_ok(), reached, "{memory:#x}");
+        }
     }
 }

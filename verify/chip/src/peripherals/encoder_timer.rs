@@ -3,6 +3,12 @@
 use crate::register::Register;
 use crate::violation::{Access, refuse};
 
+const CC3IF: u32 = 3;
+const CC3OF: u32 = 11;
+const CC3E: u32 = 8;
+/// A channel's input is the timer's trigger.
+const TRC: u32 = 3;
+
 /// One timer. Its inputs come as the counts of the encoder wired to it.
 #[derive(Clone, Debug)]
 pub(crate) struct EncoderTimer {
@@ -11,10 +17,13 @@ pub(crate) struct EncoderTimer {
     dier: Register,
     sr: Register,
     ccmr1: Register,
+    ccmr2: Register,
     ccer: Register,
     psc: Register,
     arr: Register,
     count: u32,
+    /// What channel 3 has captured.
+    ccr3: u32,
     /// The encoder's counts when `count` was right.
     origin: i32,
 }
@@ -27,10 +36,12 @@ impl EncoderTimer {
             dier: Register::new("TIMx_DIER", 0, 0x5f5f, 0),
             sr: Register::new("TIMx_SR", 0, 0, 0x1e5f),
             ccmr1: Register::new("TIMx_CCMR1", 0, 0xffff, 0),
+            ccmr2: Register::new("TIMx_CCMR2", 0, 0xffff, 0),
             ccer: Register::new("TIMx_CCER", 0, 0xbbbb, 0),
             psc: Register::new("TIMx_PSC", 0, 0xffff, 0),
             arr: Register::new("TIMx_ARR", !0, !0, 0),
             count: 0,
+            ccr3: 0,
             origin: 0,
         }
     }
@@ -61,6 +72,18 @@ impl EncoderTimer {
         self.count = count.rem_euclid(modulus as i64) as u32;
     }
 
+    /// Another timer triggers, the one of this number: true if channel 3 captures the counter.
+    pub(crate) fn trigger(&mut self, number: u32) -> bool {
+        let captures =
+            self.ccer.bit(CC3E) && self.ccmr2.field(0, 2) == TRC && self.smcr.field(4, 3) == number;
+        if captures {
+            self.ccr3 = self.count;
+            self.sr.set(CC3OF, self.sr.bit(CC3IF));
+            self.sr.set(CC3IF, true);
+        }
+        captures
+    }
+
     /// Samples that both inputs must agree on before a level counts, in clocks of the timer.
     pub(crate) fn filter_clocks(&self) -> u32 {
         let division = 1 << self.cr1.field(8, 2).min(2);
@@ -86,14 +109,19 @@ impl EncoderTimer {
         division * divider * samples
     }
 
-    pub(crate) fn read(&self, offset: u32) -> u32 {
+    pub(crate) fn read(&mut self, offset: u32) -> u32 {
         match offset {
             0x00 => self.cr1.value,
             0x08 => self.smcr.value,
             0x0c => self.dier.value,
             0x10 => self.sr.value,
             0x18 => self.ccmr1.value,
+            0x1c => self.ccmr2.value,
             0x20 => self.ccer.value,
+            0x3c => {
+                self.sr.set(CC3IF, false);
+                self.ccr3
+            }
             0x24 => self.count,
             0x28 => self.psc.value,
             0x2c => self.arr.value,
@@ -115,6 +143,9 @@ impl EncoderTimer {
                         "the mode changes while the counter runs",
                     );
                 }
+                if self.ccer.bit(CC3E) && (value ^ self.smcr.value) & 0x70 != 0 {
+                    return refuse("TIMx_SMCR", value, "the trigger changes while it is in use");
+                }
                 self.smcr.write(value)?;
             }
             0x0c => self.dier.write(value)?,
@@ -131,7 +162,29 @@ impl EncoderTimer {
                 }
                 self.ccmr1.write(value)?;
             }
-            0x20 => self.ccer.write(value)?,
+            0x1c => {
+                if self.ccer.bit(CC3E) {
+                    return refuse("TIMx_CCMR2", value, "channel 3 is enabled");
+                }
+                if !matches!(value, 0 | TRC) {
+                    return refuse(
+                        "TIMx_CCMR2",
+                        value,
+                        "only a capture by a trigger is simulated",
+                    );
+                }
+                self.ccmr2.write(value)?;
+            }
+            0x20 => {
+                if value & 0xba00 != 0 {
+                    return refuse(
+                        "TIMx_CCER",
+                        value,
+                        "only the rising edge of channel 3 is simulated",
+                    );
+                }
+                self.ccer.write(value)?;
+            }
             0x24 => self.count = value,
             0x28 => self.psc.write(value)?,
             0x2c => self.arr.write(value)?,

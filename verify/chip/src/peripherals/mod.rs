@@ -8,6 +8,7 @@ pub(crate) mod encoder_timer;
 pub(crate) mod flash;
 pub(crate) mod gpio;
 pub(crate) mod iwdg;
+pub(crate) mod pulse_timer;
 pub(crate) mod pwm_timer;
 pub(crate) mod rcc;
 pub(crate) mod reset_cause;

@@ -32,6 +32,8 @@ pub(crate) struct Rcc {
     pub(crate) crystal_works: bool,
 }
 
+/// The clock of the core-coupled memory in AHB1's register.
+const CCM: u32 = 1 << 20;
 const AHB1: u32 = 0x7e74_11ff;
 const AHB2: u32 = 0xf1;
 const AHB3: u32 = 1;
@@ -301,6 +303,13 @@ impl Rcc {
             }
             _ => match self.gate(offset) {
                 Some((0, bus)) => self.rstr[bus].write(value)?,
+                Some((1, 0)) if value & CCM == 0 => {
+                    return refuse(
+                        "RCC_AHB1ENR",
+                        value,
+                        "the core-coupled memory loses its clock",
+                    );
+                }
                 Some((1, bus)) => self.enr[bus].write(value)?,
                 Some((_, bus)) => self.lpenr[bus].write(value)?,
                 None => return refuse("RCC", value, format!("no register at {offset:#x} here")),

@@ -17,7 +17,7 @@ use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION, encode,
 };
-use fivebar_firmware::recorder::Recorder;
+use fivebar_firmware::recorder::{Log, Recorder};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::session::{self, Board};
 use fivebar_firmware::settings::CheckedSettings;
@@ -33,7 +33,7 @@ pub(crate) type Output = ([u32; 2], bool, State);
 
 /// A board with sensors of its own, whose flash accepts everything.
 struct Desk {
-    log: Recorder,
+    log: Log,
     sample: SensorSample,
 }
 
@@ -46,8 +46,8 @@ impl Board for Desk {
         None
     }
 
-    fn recorder(&self) -> Option<&Recorder> {
-        Some(&self.log)
+    fn recorder(&self) -> Option<Recorder<'_>> {
+        Some(self.log.recorder())
     }
 
     fn sample(&self) -> Option<SensorSample> {
@@ -101,7 +101,7 @@ impl<'b> Session<'b> {
             plant: plant(flags),
             is_sound: true,
             board: Box::new(Desk {
-                log: Recorder::new(),
+                log: Log::new(),
                 sample: SensorSample::default(),
             }),
             flags,
@@ -300,7 +300,7 @@ impl<'b> Session<'b> {
         let is_current =
             self.planner_is_current() && matches!(snapshot.state, State::Armed | State::Running);
         let queue = is_current.then(|| (self.planner.free_slots(), self.planner.is_empty()));
-        let log = self.board.log.page(0);
+        let log = self.board.log.recorder().page(0);
         format!(
             "{:?} {snapshot:?} {queue:?} {:?} {}",
             self.controller.status(),
@@ -333,6 +333,7 @@ impl<'b> Session<'b> {
         let command = self.controller.tick(&sample);
         self.board
             .log
+            .recorder()
             .record(&sample, &command, self.controller.ticks());
         let status = self.controller.status();
         self.rules.check(tick, &sample, &command, &status)?;
