@@ -2,8 +2,9 @@
 //!
 //! A joint approaches until its switch closes, backs off until the switch is open and `back_off`
 //! further, and creeps back at an eighth of the speed. The counts at which the switch closes then
-//! belong to the home angle. A joint that starts on its switch begins by backing off. The search
-//! fails if the joint passes its whole range without finding the switch, or cannot leave it.
+//! belong to the home angle. A joint that starts on its switch begins by backing off: from anywhere in its
+//! range behind the home angle. The search fails if the joint passes its whole range without finding the
+//! switch, or cannot leave it.
 //!
 //! A switch counts as closed, or as open, when it has read so for a number of ticks in a
 //! row: a disturbance does not end a phase, and a contact that bounces does not begin the next
@@ -92,6 +93,9 @@ pub(super) struct HomingConfig {
     speed: f32,
     /// [rad].
     back_off: f32,
+    /// The farthest that it backs off while its switch stays closed [rad]: four times `back_off`, and what its range
+    /// has behind the home angle.
+    leave: f32,
     /// The longest approach [rad]: the joint's range and an allowance for overrun.
     range: f32,
     /// Greatest change of the reference's speed [rad/s²].
@@ -170,9 +174,15 @@ impl HomingConfig {
         } else {
             -homing.speed
         };
+        let behind = if axis.home_forward {
+            high - axis.home_angle
+        } else {
+            axis.home_angle - low
+        };
         Self {
             speed,
             back_off: homing.back_off,
+            leave: 4.0 * homing.back_off + behind.max(0.0),
             range: high - low + 2.0 * homing.back_off,
             // The first approach reaches its speed in 0.1 s.
             acceleration: 10.0 * homing.speed,
@@ -264,7 +274,7 @@ impl HomingState {
                 config.speed
             }
             Phase::BackOff { from } => {
-                if closed && gone(from) > 4.0 * config.back_off {
+                if closed && gone(from) > config.leave {
                     return Err(SwitchNotFound);
                 }
                 if !closed && gone(from) >= config.back_off {

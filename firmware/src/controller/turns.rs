@@ -26,16 +26,14 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     pub(super) fn take_turn(&mut self, sample: &ArmSample<D::Sample>) {
         match self.ticks % TURNS {
-            0 => self.watch(Driven::Joint1),
-            8 => self.watch(Driven::Joint4),
-            1 | 9 => {
-                self.end_path();
-                self.turn_brake();
-            }
+            0 => self.warm(Driven::Joint1),
+            8 => self.warm(Driven::Joint4),
+            1 | 9 => self.end_path(),
             2 => self.change_gains(Driven::Joint1),
             10 => self.change_gains(Driven::Joint4),
             3 | 11 => self.correct_encoder(0, Joint::set_scale),
-            4 | 12 => self.pending_stop = self.stopping_fault(),
+            4 => self.watch(Driven::Joint1),
+            12 => self.watch(Driven::Joint4),
             5 | 13 => self.begin_pending_stop(),
             6 | 14 => self.latch_pending_stop(),
             7 => {
@@ -81,19 +79,22 @@ impl<D: Drives> ArmController<D> {
         }
     }
 
-    /// Watches a motor and its loop, and begins to watch the other joint's loop, whose turn is half
-    /// of the turns later.
+    /// Looks for a fault that stops the arm, and for a joint's loop that oscillates, which the next tick switches
+    /// off; then the brakes have their turn.
     #[inline(always)]
     fn watch(&mut self, joint: Driven) {
-        self.drives.begin_watch(joint.other());
-        self.warm(joint);
+        self.pending_stop = self.stopping_fault();
+        if let Some(fault) = self.drives.watch_loop(joint) {
+            self.pending_off = Some(fault);
+        }
+        self.turn_brake();
     }
 
     /// Advances a motor's heat by all turns at its current. The next tick switches off a motor that
-    /// is too hot, a loop that oscillates, or an arm that nobody commands.
+    /// is too hot, or an arm that nobody commands.
     #[inline(always)]
     fn warm(&mut self, joint: Driven) {
-        if let Some(fault) = self.drives.watch(joint) {
+        if let Some(fault) = self.drives.watch_heat(joint) {
             self.pending_off = Some(fault);
         } else if self.abandoned() {
             self.abandon();

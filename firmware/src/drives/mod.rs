@@ -20,7 +20,7 @@ pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATIO
 use fivebar_kinematics::five_bar::Joint;
 pub use torque::{OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
 
-/// Ticks from one watch of a joint's drive to the next, see [`Drives::watch`].
+/// Ticks from one watch of a joint's drive to the next, see [`Drives::watch_heat`].
 pub const WATCHED_EVERY: u32 = 16;
 
 /// How far an arm has come to rest: each stage has gains of its own.
@@ -142,11 +142,12 @@ pub trait Drives: Clone {
     /// Clears the loops: the drives give no torque.
     fn release(&mut self);
 
-    /// Half of [`WATCHED_EVERY`] before [`Drives::watch`].
-    fn begin_watch(&mut self, joint: Joint);
+    /// A motor that is too hot: once in [`WATCHED_EVERY`] ticks for each joint, with and without power.
+    fn watch_heat(&mut self, joint: Joint) -> Option<Fault>;
 
-    /// What needs no look in every tick, once in [`WATCHED_EVERY`]: heat, and a loop that oscillates.
-    fn watch(&mut self, joint: Joint) -> Option<Fault>;
+    /// A loop that oscillates: once in [`WATCHED_EVERY`] ticks with power for each joint, the other joint's turn half of
+    /// them later.
+    fn watch_loop(&mut self, joint: Joint) -> Option<Fault>;
 
     /// What the drives measure and do.
     fn report(&self) -> DriveReport;

@@ -122,9 +122,11 @@ impl Drives for TorqueDrives {
         self.set_point = [0.0; 2];
     }
 
-    fn begin_watch(&mut self, _: Joint) {}
+    fn watch_heat(&mut self, _: Joint) -> Option<Fault> {
+        None
+    }
 
-    fn watch(&mut self, _: Joint) -> Option<Fault> {
+    fn watch_loop(&mut self, _: Joint) -> Option<Fault> {
         None
     }
 

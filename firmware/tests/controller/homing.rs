@@ -127,13 +127,27 @@ fn a_bouncing_switch_gives_the_home_angle_within_its_bounces() {
 
 #[test]
 fn a_switch_that_stays_closed_ends_in_an_envelope_fault() {
-    let mut rig = Rig::new(&settings());
-    rig.bench.stuck = Some([true, true]);
-    home(&mut rig);
-    assert_eq!(rig.controller.status().fault, Some(Fault::Envelope));
-    assert!(!rig.controller.status().homed);
-    // It has turned at most as far as the search allows.
-    assert!((rig.bench.theta[0] - f64::from(START[0])).abs() < 0.3);
+    // The search allows 0.2 rad, and what the range has behind the home angle.
+    for behind in [0.0, 0.2, 0.6] {
+        let mut settings = settings();
+        for axis in &mut settings.axes {
+            let [low, high] = &mut axis.angle_limits;
+            match axis.home_forward {
+                true => *high = axis.home_angle + behind,
+                false => *low = axis.home_angle - behind,
+            }
+        }
+        let mut rig = Rig::new(&settings);
+        rig.bench.stuck = Some([true, true]);
+        home(&mut rig);
+        assert_eq!(rig.controller.status().fault, Some(Fault::Envelope));
+        assert!(!rig.controller.status().homed);
+        let turned = (rig.bench.theta[0] - f64::from(START[0])).abs();
+        assert!(
+            turned < 0.3 + f64::from(behind),
+            "{turned} rad, {behind} rad"
+        );
+    }
 }
 
 #[test]

@@ -69,6 +69,13 @@ fn after_a_random_fault_in_any_state_current_and_speed_stay_bounded_and_a_latche
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
+/// Seed 4655: a belt whose coupling loses 87 % of the motion makes its loop swing from limit to limit at 121 Hz.
+#[test]
+fn a_coupling_that_slips_leaves_no_motor_above_twice_its_continuous_current_for_2_s() {
+    let trials = campaign(4655..4656);
+    assert!(broken(&trials).is_empty(), "{trials:?}");
+}
+
 #[test]
 fn every_kind_of_fault_has_a_row_in_the_table() {
     let document = std::fs::read_to_string(DOCUMENT).expect("docs/verify/fault-campaign.md");

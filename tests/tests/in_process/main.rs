@@ -8,6 +8,7 @@ mod bench;
 mod board_defaults;
 mod faults_document;
 mod faults_in_process;
+mod homing_anywhere;
 #[path = "../injected_faults/mod.rs"]
 mod injected_faults;
 mod mobility_cases;

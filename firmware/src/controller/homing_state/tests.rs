@@ -12,6 +12,7 @@ const SAMPLES: u8 = 8;
 const CONFIG: HomingConfig = HomingConfig {
     speed: 1.0,
     back_off: 0.5,
+    leave: 2.0,
     range: 3.0,
     acceleration: 1000.0,
     samples: SAMPLES,
@@ -104,6 +105,30 @@ fn backing_off_fails_when_the_switch_stays_closed_for_four_times_its_way() {
         assert_eq!(back_off.phase, Phase::BackOff { from: 10.0 });
     }
     assert_eq!(step(&mut back_off, 7.99), Err(SwitchNotFound));
+}
+
+/// An arm may stand anywhere behind its switch when homing begins.
+#[test]
+fn backing_off_goes_farther_by_what_the_range_has_behind_home() {
+    let settings = Settings::BENCHTOP;
+    let leave = |forward: bool, limits: [f32; 2]| {
+        let mut axis = settings.axes[0];
+        (axis.home_angle, axis.home_forward) = (2.0, forward);
+        axis.angle_limits = limits;
+        HomingConfig::new(&axis, &settings).leave - 4.0 * settings.homing.back_off
+    };
+    for (forward, limits, behind) in [
+        (true, [0.5, 2.75], 0.75),
+        (false, [0.5, 2.75], 1.5),
+        (true, [0.5, 1.5], 0.0),
+        (false, [2.5, 3.5], 0.0),
+    ] {
+        let farther = leave(forward, limits);
+        assert!(
+            (farther - behind).abs() < 1e-6,
+            "{forward} {limits:?}: {farther}"
+        );
+    }
 }
 
 #[test]

@@ -194,23 +194,20 @@ impl Drives for BrushedDrives {
     }
 
     #[inline(always)]
-    fn begin_watch(&mut self, joint: Joint) {
-        if let Some(motor) = self.motors.get_mut(joint.index()) {
-            motor.expect_oscillation();
-        }
+    fn watch_heat(&mut self, joint: Joint) -> Option<Fault> {
+        let motor = self.motors.get_mut(joint.index())?;
+        let model = self.models.get(joint.index())?;
+        motor.warm(model).then_some(Fault::OverTemperature)
     }
 
+    /// Each joint's turn begins the other one's.
     #[inline(always)]
-    fn watch(&mut self, joint: Joint) -> Option<Fault> {
-        let (motor, model) = (
-            self.motors.get_mut(joint.index())?,
-            self.models.get(joint.index())?,
-        );
-        if motor.warm(model) {
-            Some(Fault::OverTemperature)
-        } else {
-            motor.oscillates(model).then_some(Fault::Oscillation)
-        }
+    fn watch_loop(&mut self, joint: Joint) -> Option<Fault> {
+        let other = self.motors.get_mut(joint.other().index())?;
+        other.expect_oscillation();
+        let motor = self.motors.get_mut(joint.index())?;
+        let model = self.models.get(joint.index())?;
+        motor.oscillates(model).then_some(Fault::Oscillation)
     }
 
     #[inline(always)]
