@@ -45,6 +45,8 @@ const NONE: u32 = 0;
 
 impl Encoder {
     /// The encoder of a joint; none without a known error.
+    // A call of its own: the other encoder takes no stack meanwhile.
+    #[inline(never)]
     fn new(table: &EncoderTable, axis: &AxisSettings) -> Option<Self> {
         let ratio = table.shaft_ratio;
         if ratio == 0.0 {
