@@ -18,14 +18,17 @@
 //! and Coulomb friction are left out; friction adds damping where the arm moves.
 
 mod arm;
+mod belt;
 mod exponential;
 mod law;
 mod margins;
 mod response;
+mod simplex;
 mod states;
 mod tuning;
 
 pub use arm::{Servo, ServoDrive};
+pub use belt::{BeltJoint, BeltTuning, MOST_LATE, tune_belt};
 pub use law::Gains;
 pub use margins::{LoopPoint, Margins};
 pub use states::MOST_KEPT;

@@ -17,9 +17,9 @@
 //! the lag in the loop.
 //! The observer adds no lag of first order: the phase it loses grows with frequency cubed.
 
+mod belt;
 mod current;
 mod discrete;
-
 mod friction;
 mod motor_equation;
 mod observer;
@@ -27,8 +27,8 @@ mod position;
 mod thermal;
 mod torque_limit;
 
+pub use belt::{Belt, BeltDemand, BeltGains, BeltLaw, BeltState};
 pub use current::{Bus, CurrentLoop, CurrentState, Drive};
-
 pub use friction::FrictionCompensation;
 pub use motor_equation::{MotorEquation, MotorEstimate};
 pub use observer::{ObserverState, VelocityObserver};

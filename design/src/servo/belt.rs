@@ -1,0 +1,403 @@
+//! The gains of a joint behind a belt, searched on one joint of the arm.
+//!
+//! In the directions of the mass matrix's eigenvectors the arm is two joints of one inertia each, because equal drives
+//! stay equal in any directions. So gains that suit one joint with every inertia from the least to the greatest
+//! eigenvalue over the poses suit the arm. What differs from it (unequal drives, the poses between) is judged
+//! afterwards on the whole arm, by [`Servo::margins`](super::Servo::margins).
+
+use super::exponential::exponential;
+use super::simplex::least;
+use fivebar_kinematics::control::{Belt, BeltGains, BeltLaw, BeltState};
+use nalgebra::{DMatrix, DVector, Schur};
+use num_complex::Complex;
+use std::f64::consts::PI;
+
+type C = Complex<f64>;
+
+/// A joint behind a belt, and what its gains must stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeltJoint {
+    /// The belt.
+    pub belt: Belt<f64>,
+    /// The least and the greatest eigenvalue of the arm's mass matrix without rotors over the poses [kg·m²].
+    pub inertia: [f64; 2],
+    /// The least and the greatest factor on it of an arm that differs from its model [1].
+    pub range: [f64; 2],
+    /// Bandwidth of the current loop [rad/s].
+    pub current_bandwidth: f64,
+    /// Age of the encoder's angle [s].
+    pub latency: f64,
+    /// One count of the encoder [rad].
+    pub count: f64,
+    /// Greatest torque [N·m].
+    pub peak_torque: f64,
+    /// T [s].
+    pub period: f64,
+}
+
+/// What a search found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeltTuning {
+    /// The gains.
+    pub gains: BeltGains<f64>,
+    /// The least modulus margin with the model's inertias.
+    pub modulus: f64,
+    /// The least modulus margin over the range.
+    pub modulus_range: f64,
+    /// Torque noise by counts, root mean square [N·m].
+    pub noise: f64,
+    /// Angle of the joint after a step of its load, root mean square over the first 30 ms [rad/(N·m)].
+    pub compliance: f64,
+}
+
+/// The margin that is asked for with the model's inertias: above 0.5, to keep that on the whole arm.
+const MODULUS: f64 = 0.53;
+/// The margin that is asked for over the range.
+const MODULUS_RANGE: f64 = 0.42;
+/// Torque noise by counts, as a share of the peak torque.
+const NOISE: f64 = 0.01;
+/// The slowest decay [rad/s]: of the estimated load.
+const SLOWEST: f64 = 4.0;
+/// Greatest whole ticks of an encoder's latency.
+pub const MOST_LATE: usize = 7;
+/// Points of a locus.
+const POINTS: usize = 150;
+/// Ticks of the step.
+const STEP: usize = 300;
+/// The first step of the search, as a share of each gain.
+const FIRST_STEP: f64 = 0.4;
+/// Gains that one search tries.
+const MOST_TRIALS: usize = 350;
+/// Shapes of the observer from which a search begins: c T/Jr, g1, g2 T, g3.
+const SHAPES: [[f64; 4]; 3] = [
+    [0.0234, 0.17, 0.0025, 0.055],
+    [0.0094, 0.25, 0.005, 0.09],
+    [0.0044, 0.43, 0.008, 0.154],
+];
+
+/// A linear system x ← A x + b u, y = c·x + d u.
+#[derive(Clone)]
+struct Linear {
+    a: DMatrix<f64>,
+    b: DVector<f64>,
+    c: DVector<f64>,
+    d: f64,
+}
+
+impl Linear {
+    fn response(&self, z: C) -> C {
+        let n = self.a.nrows();
+        let resolvent = DMatrix::from_fn(n, n, |i, j| {
+            C::new(-self.a[(i, j)], 0.0) + if i == j { z } else { C::new(0.0, 0.0) }
+        });
+        let b = self.b.map(|x| C::new(x, 0.0));
+        let nan = C::new(f64::NAN, 0.0);
+        resolvent.lu().solve(&b).map_or(nan, |x| {
+            let sum: C = x.iter().zip(self.c.iter()).map(|(x, &c)| *x * c).sum();
+            sum + self.d
+        })
+    }
+}
+
+impl BeltJoint {
+    /// Whole ticks of the encoder's latency.
+    pub fn late(&self) -> usize {
+        (self.latency / self.period).round() as usize
+    }
+
+    fn law(&self, gains: &BeltGains<f64>) -> BeltLaw<f64> {
+        let drive_lag = 1.0 / self.current_bandwidth;
+        let lag = drive_lag + self.latency;
+        BeltLaw::new(&self.belt, gains, drive_lag, lag, self.period)
+    }
+
+    /// From the demanded torque to the encoder's angle, with this inertia of the links. States: θm, ωm, θ, ω, the
+    /// current loop's two, the demand of the tick before, late angles.
+    fn plant(&self, inertia: f64) -> Linear {
+        let Belt {
+            stiffness: k,
+            damping: d,
+            rotor_inertia: jr,
+            encoder_at_joint,
+        } = self.belt;
+        let t = self.period;
+        let mut continuous = DMatrix::zeros(5, 5);
+        continuous[(0, 1)] = t;
+        continuous[(2, 3)] = t;
+        for (column, value) in [-k, -d, k, d].into_iter().enumerate() {
+            continuous[(1, column)] = t * value / jr;
+            continuous[(3, column)] = -t * value / inertia;
+        }
+        continuous[(1, 4)] = t / jr;
+        let sampled = exponential(&continuous);
+        let g = self.current_bandwidth * t;
+        let late = self.late();
+        let n = 7 + late;
+        let mut a = DMatrix::zeros(n, n);
+        a.view_mut((0, 0), (4, 4))
+            .copy_from(&sampled.view((0, 0), (4, 4)));
+        // τ⁺ = τ − g τ₋ + g d₋; the mean over the tick acts.
+        for row in 0..4 {
+            let gain = sampled[(row, 4)];
+            a[(row, 4)] = gain;
+            a[(row, 5)] = -0.5 * g * gain;
+            a[(row, 6)] = 0.5 * g * gain;
+        }
+        a[(4, 4)] = 1.0;
+        a[(4, 5)] = -g;
+        a[(4, 6)] = g;
+        a[(5, 4)] = 1.0;
+        let measured = if encoder_at_joint { 2 } else { 0 };
+        for i in 0..late {
+            a[(7 + i, if i == 0 { measured } else { 6 + i })] = 1.0;
+        }
+        let mut b = DVector::zeros(n);
+        b[6] = 1.0;
+        let mut c = DVector::zeros(n);
+        c[if late == 0 { measured } else { n - 1 }] = 1.0;
+        Linear { a, b, c, d: 0.0 }
+    }
+
+    /// The law as the target runs it, from the encoder's angle to the demanded torque: found by asking it.
+    fn controller(&self, gains: &BeltGains<f64>, inertia: f64) -> Linear {
+        let law = self.law(gains);
+        let late = self.late();
+        let n = 7 + late;
+        let step = |x: &[f64], measured: f64| {
+            let mut state = BeltState {
+                rotor_angle: x[0],
+                rotor_velocity: x[1],
+                angle: x[2],
+                velocity: x[3],
+                load: x[4],
+                torque: x[5],
+            };
+            let impulse = law.correct(&mut state, measured);
+            state.velocity += impulse / inertia;
+            let demand = law.demand(&state);
+            let torque = (inertia + self.belt.rotor_inertia) * demand.alpha + demand.torque;
+            let change = law.impulse(&state) / inertia;
+            law.advance(&mut state, change, x[n - 1]);
+            let mut next = vec![0.0; n];
+            next[..6].copy_from_slice(&[
+                state.rotor_angle,
+                state.rotor_velocity,
+                state.angle,
+                state.velocity,
+                state.load,
+                state.torque,
+            ]);
+            next[6] = torque;
+            next[7..].copy_from_slice(&x[6..n - 1]);
+            (next, torque)
+        };
+        let mut x = vec![0.0; n];
+        let (mut a, mut c) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for column in 0..n {
+            x[column] = 1.0;
+            let (next, torque) = step(&x, 0.0);
+            a.column_mut(column).copy_from_slice(&next);
+            c[column] = torque;
+            x[column] = 0.0;
+        }
+        let (next, d) = step(&x, 1.0);
+        Linear {
+            a,
+            b: DVector::from_vec(next),
+            c,
+            d,
+        }
+    }
+}
+
+/// The closed loop over the states of plant and law.
+fn closed(plant: &Linear, law: &Linear) -> DMatrix<f64> {
+    let (n, m) = (plant.a.nrows(), law.a.nrows());
+    let mut matrix = DMatrix::zeros(n + m, n + m);
+    let feedthrough = &plant.b * plant.c.transpose() * law.d;
+    matrix
+        .view_mut((0, 0), (n, n))
+        .copy_from(&(&plant.a + feedthrough));
+    matrix
+        .view_mut((0, n), (n, m))
+        .copy_from(&(&plant.b * law.c.transpose()));
+    matrix
+        .view_mut((n, 0), (m, n))
+        .copy_from(&(&law.b * plant.c.transpose()));
+    matrix.view_mut((n, n), (m, m)).copy_from(&law.a);
+    matrix
+}
+
+/// One inertia of the model, and the plants that it may be in truth.
+struct Case {
+    inertia: f64,
+    plants: Vec<(Linear, Vec<C>)>,
+    noise: Vec<C>,
+}
+
+/// What is the same for all gains.
+struct Search<'a> {
+    joint: &'a BeltJoint,
+    z: Vec<C>,
+    even: Vec<C>,
+    cases: Vec<Case>,
+}
+
+impl<'a> Search<'a> {
+    fn of(joint: &'a BeltJoint) -> Self {
+        let nyquist = PI / joint.period;
+        let z: Vec<C> = (0..POINTS)
+            .map(|i| 5.0 * (0.999 * nyquist / 5.0).powf(i as f64 / (POINTS - 1) as f64))
+            .map(|omega| C::from_polar(1.0, omega * joint.period))
+            .collect();
+        let even: Vec<C> = (0..48)
+            .map(|i| C::from_polar(1.0, PI * (f64::from(i) + 0.5) / 48.0))
+            .collect();
+        let [low, high] = joint.range;
+        let cases = joint.inertia.map(|inertia| {
+            let plants = [1.0, low, high].map(|factor| {
+                let plant = joint.plant(factor * inertia);
+                let responses = z.iter().map(|&z| plant.response(z)).collect();
+                (plant, responses)
+            });
+            let noise = even.iter().map(|&z| plants[0].0.response(z)).collect();
+            Case {
+                inertia,
+                plants: plants.into(),
+                noise,
+            }
+        });
+        Self {
+            joint,
+            z,
+            even,
+            cases: cases.into(),
+        }
+    }
+
+    /// None for gains with an unstable loop.
+    fn judge(&self, gains: &BeltGains<f64>) -> Option<BeltTuning> {
+        let mut tuning = BeltTuning {
+            gains: *gains,
+            modulus: f64::INFINITY,
+            modulus_range: f64::INFINITY,
+            noise: 0.0,
+            compliance: 0.0,
+        };
+        for case in &self.cases {
+            let law = self.joint.controller(gains, case.inertia);
+            for (plant, _) in &case.plants {
+                let poles = Schur::try_new(closed(plant, &law), 1e-12, 10_000)?;
+                let radius = poles
+                    .complex_eigenvalues()
+                    .iter()
+                    .map(|pole| pole.norm())
+                    .fold(0.0, f64::max);
+                if radius > (-SLOWEST * self.joint.period).exp() {
+                    return None;
+                }
+            }
+            let answers: Vec<C> = self.z.iter().map(|&z| law.response(z)).collect();
+            for (index, (_, responses)) in case.plants.iter().enumerate() {
+                let distances = answers.iter().zip(responses);
+                let modulus = distances
+                    .map(|(k, p)| (1.0 - k * p).norm())
+                    .fold(f64::INFINITY, f64::min);
+                if index == 0 {
+                    tuning.modulus = tuning.modulus.min(modulus);
+                }
+                tuning.modulus_range = tuning.modulus_range.min(modulus);
+            }
+            let variance: f64 = self
+                .even
+                .iter()
+                .zip(&case.noise)
+                .map(|(&z, p)| {
+                    let k = law.response(z);
+                    (k / (1.0 - k * p)).norm_sqr()
+                })
+                .sum();
+            let noise = (variance / self.even.len() as f64 / 12.0).sqrt() * self.joint.count;
+            tuning.noise = tuning.noise.max(noise);
+            tuning.compliance = tuning.compliance.max(step(
+                &case.plants[0].0,
+                &law,
+                case.inertia,
+                self.joint.period,
+            ));
+        }
+        Some(tuning)
+    }
+}
+
+/// The joint's angle after a step of its load, root mean square.
+fn step(plant: &Linear, law: &Linear, inertia: f64, period: f64) -> f64 {
+    let matrix = closed(plant, law);
+    let mut x = DVector::zeros(matrix.nrows());
+    let mut next = x.clone();
+    let mut sum = 0.0;
+    for _ in 0..STEP {
+        next.gemv(1.0, &matrix, &x, 0.0);
+        next[3] += period / inertia;
+        next[2] += 0.5 * period * period / inertia;
+        std::mem::swap(&mut x, &mut next);
+        sum += x[2] * x[2];
+    }
+    (sum / STEP as f64).sqrt()
+}
+
+impl BeltTuning {
+    /// What the search makes small.
+    fn cost(&self, peak_torque: f64) -> f64 {
+        let lacks =
+            (MODULUS - self.modulus).max(0.0) + (MODULUS_RANGE - self.modulus_range).max(0.0);
+        let noise = (self.noise / (NOISE * peak_torque)).ln().max(0.0);
+        self.compliance.ln() + 40.0 * lacks + 20.0 * noise
+    }
+
+    /// Whether margins and noise are as wanted, on this joint.
+    pub fn is_good(&self, joint: &BeltJoint) -> bool {
+        self.modulus > MODULUS - 0.01
+            && self.modulus_range > MODULUS_RANGE - 0.01
+            && self.noise < 1.1 * NOISE * joint.peak_torque
+    }
+}
+
+/// The gains of a joint; none if no stable ones were found, or if its encoder is too late.
+///
+/// The search is that of a simplex, over the logarithms of all gains, from each shape of the observer. What it makes
+/// small is the compliance; what the margins and the noise lack is added to it. An encoder at the joint finds no
+/// stable start yet on most belts: it does not see the rotor that the torque turns.
+pub fn tune_belt(joint: &BeltJoint) -> Option<BeltTuning> {
+    if joint.late() > MOST_LATE {
+        return None;
+    }
+    let search = Search::of(joint);
+    let [low, high] = joint.inertia;
+    let middle = (low * high).sqrt();
+    let (period, jr) = (joint.period, joint.belt.rotor_inertia);
+    let gains = |x: &[f64; 8]| {
+        let [wc, zeta, rotor, g1, g2, g3, g4, g5] = x.map(f64::exp);
+        BeltGains {
+            bandwidth: wc,
+            damping: zeta,
+            rotor_damping: rotor * jr / period,
+            observer: [g1, g2 / period, g3, g4 * middle, g5 * middle],
+        }
+    };
+    let judge = |x: &[f64; 8]| search.judge(&gains(x));
+    let cost_of = |tuning: &BeltTuning| tuning.cost(joint.peak_torque);
+    let cost = |x: &[f64; 8]| judge(x).as_ref().map_or(f64::INFINITY, cost_of);
+    let found = SHAPES.into_iter().filter_map(|[rotor, g1, g2, g3]| {
+        // From the first gains that are stable.
+        let starts = [60.0, 30.0, 15.0].into_iter().flat_map(|wc| {
+            [40.0, 15.0, 5.0]
+                .into_iter()
+                .flat_map(move |g4| [2e3, 5e2].map(|g5| [wc, 0.7, rotor, g1, g2, g3, g4, g5]))
+        });
+        let mut starts = starts.map(|x| x.map(f64::ln));
+        let start = starts.find(|x| cost(x).is_finite())?;
+        judge(&least(cost, start, FIRST_STEP, MOST_TRIALS))
+    });
+    found.min_by(|a, b| cost_of(a).total_cmp(&cost_of(b)))
+}
