@@ -2,8 +2,7 @@
 //!
 //! In the directions of the mass matrix's eigenvectors the arm is two joints of one inertia each, because equal drives
 //! stay equal in any directions. So gains that suit one joint with every inertia from the least to the greatest
-//! eigenvalue over the poses suit the arm. What differs from it (unequal drives, the poses between) is judged
-//! afterwards on the whole arm, by [`Servo::margins`](super::Servo::margins).
+//! eigenvalue over the poses suit an arm with equal drives. What differs from that (unequal drives) is not judged here.
 
 use super::exponential::exponential;
 use super::simplex::least;
