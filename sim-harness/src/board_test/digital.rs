@@ -129,6 +129,7 @@ pub(super) fn stop<L: Read + Write>(
     if !connected {
         return Ok(limit.not_seen("not connected", to_ground));
     }
+    let _ = bench.request(Request::ClearFault)?;
     if bench.sample()?.emergency_stop {
         let why = "the input reads pressed although it is connected to ground";
         return Ok(limit.row("pressed", Verdict::failed(why, to_ground)));

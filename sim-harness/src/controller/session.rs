@@ -107,12 +107,24 @@ impl Session {
         if self.request(Request::Disarm)?.is_ok() {
             self.wait_until_off()?;
         }
-        // A fault may hold the arm with the bridges on.
+        // A fault may hold the arm with the bridges on, or a move queued before may have begun.
         self.read_status()?;
         if held::ends_by_emergency_stop(&self.status) {
             let _ = self.request(Request::EmergencyStop)?;
         }
         Ok(())
+    }
+
+    /// Stops the arm after its use ended with `outcome`, also after a reply that made no sense; a
+    /// controller that is silent or not reached stops it by its own timeout.
+    ///
+    /// # Errors
+    /// Those of `outcome`, or the connection failed.
+    pub fn stop_after(&mut self, outcome: Result<(), LinkError>) -> Result<(), LinkError> {
+        match outcome {
+            Err(LinkError::Silent | LinkError::Connection(_)) => outcome,
+            Ok(()) | Err(_) => outcome.and(self.stop_arm()),
+        }
     }
 
     /// Waits until an accepted request has switched the bridges off: holding brakes engage before. If

@@ -171,7 +171,7 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         }
         // With a latched fault the controller refuses to disarm; `outcome` then holds the fault.
         let disarmed = self.request(Request::Disarm);
-        if held::ends_by_emergency_stop(&self.client.status()?.0) {
+        if disarmed.is_err() && held::ends_by_emergency_stop(&self.client.status()?.0) {
             self.request(Request::EmergencyStop)?;
         }
         outcome.and(disarmed)

@@ -95,17 +95,19 @@ impl<'a> SenderSlot<'a> {
         })
     }
 
-    /// Runs until `ends` returns true. It then brings the arm to rest and disarms it.
+    /// Runs until `ends` returns true or a reply fails. It then brings the arm to rest and disarms it.
     pub(super) fn run(
         &mut self,
         session: &mut Session,
         ends: &dyn Fn() -> bool,
     ) -> Result<(), LinkError> {
-        while !ends() {
-            self.serve_sender(session)?;
-            session.pass_time()?;
+        let mut served = Ok(());
+        while served.is_ok() && !ends() {
+            served = self
+                .serve_sender(session)
+                .and_then(|()| session.pass_time());
         }
-        session.stop_arm()
+        session.stop_after(served)
     }
 
     /// Does what the sender asks for, without passing time.

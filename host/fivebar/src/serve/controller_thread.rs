@@ -116,13 +116,14 @@ impl ControllerThread {
         })
     }
 
-    /// Runs until `ends` returns true or the connection fails. In the first case it then
-    /// brings the arm to rest and disarms it.
+    /// Runs until `ends` returns true or a reply fails. It then brings the arm to rest and disarms
+    /// it.
     pub(super) fn run(mut self, ends: &dyn Fn() -> bool) -> Result<(), ServeError> {
-        while !ends() {
-            self.cycle()?;
+        let mut served = Ok(());
+        while served.is_ok() && !ends() {
+            served = self.cycle();
         }
-        Ok(self.session.stop_arm()?)
+        Ok(self.session.stop_after(served)?)
     }
 
     fn cycle(&mut self) -> Result<(), LinkError> {
