@@ -160,6 +160,15 @@ pub enum WarningKind {
     DwellUnit(Dialect, Option<(u32, String)>),
     /// The height at which the tool touches down [m], which was guessed.
     PenHeight(f64),
+    /// Any S above 0 puts a tool of two states down.
+    PenDown,
+    /// The two S of a pen, by the motions at each.
+    PenSpeeds {
+        /// S with the pen down.
+        down: f64,
+        /// S with the pen up.
+        up: f64,
+    },
     /// No word moves or switches the tool.
     NoToolWords,
     /// Speeds above this one [m/s], the arm's greatest.
@@ -230,6 +239,20 @@ impl fmt::Display for Warning {
                     "the tool is down up to Z{}, the middle between the file's heights, because \
                      all of them are on one side of Z0; --pen-height gives another height",
                     (1e6 * height).round() / 1e3
+                );
+            }
+            WarningKind::PenDown => {
+                return f.write_str(
+                    "any S above 0 puts the tool down, because it has two states only; down_s and \
+                     up_s in [tool_output] of the robot file state another rule",
+                );
+            }
+            WarningKind::PenSpeeds { down, up } => {
+                return write!(
+                    f,
+                    "S{down} is taken as pen down and S{up} as pen up, because the arm mostly \
+                     travels at S{up}; down_s and up_s in [tool_output] of the robot file decide \
+                     otherwise"
                 );
             }
             WarningKind::NoToolWords => {

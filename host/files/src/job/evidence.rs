@@ -1,7 +1,8 @@
 //! What a job's words show of the program that wrote it, and the rules that follow from it.
 
-use super::options::{Dialect, JobOptions};
-use super::tool::Rules;
+use super::options::{Dialect, JobOptions, ToolLevels};
+use super::pen_speeds::PenSpeeds;
+use super::tool::{Rules, SpeedRule, ToolState};
 use super::words::{Line, spelled};
 use super::{ToolWords, Warning, WarningKind};
 
@@ -19,6 +20,8 @@ pub(super) struct Evidence {
     /// The angles of M280, each with the number of G1 to G3 at it.
     servo: Vec<(f64, u32)>,
     spindle: bool,
+    /// The motions at each S of M3 and M4.
+    speeds: PenSpeeds,
     fan: bool,
     /// S on a motion, as lasers have it.
     power_on_motion: bool,
@@ -38,6 +41,7 @@ impl Evidence {
             pen_servo: false,
             servo: Vec::new(),
             spindle: false,
+            speeds: PenSpeeds::default(),
             fan: false,
             power_on_motion: false,
             extrudes: false,
@@ -76,6 +80,11 @@ impl Evidence {
     pub(super) fn feeds(&mut self, servo_angle: Option<f64>, has_power: bool) {
         self.power_on_motion |= has_power;
         self.servo_angle(servo_angle, 1);
+    }
+
+    /// Notes a motion with the tool in this state.
+    pub(super) fn moves(&mut self, line: u32, tool: &ToolState, is_rapid: bool) {
+        self.speeds.moves(line, tool, is_rapid);
     }
 
     fn servo_angle(&mut self, angle: Option<f64>, motions: u32) {
@@ -124,6 +133,13 @@ impl Evidence {
         if words == ToolWords::Motion && options.tool.is_none() {
             notes.push(Warning::at(0, WarningKind::NoToolWords));
         }
+        let (speed, note) = match options.levels {
+            ToolLevels::Shares => (SpeedRule::Share(options.full_power), None),
+            ToolLevels::TwoStates(Some([down, up])) => (SpeedRule::Nearer { down, up }, None),
+            ToolLevels::TwoStates(None) if self.power_on_motion => self.speeds.above_zero(),
+            ToolLevels::TwoStates(None) => self.speeds.rule(),
+        };
+        notes.extend(note.filter(|_| words == ToolWords::Spindle));
         let most = self.servo.iter().max_by_key(|(_, count)| *count);
         let rules = Rules {
             dialect,
@@ -131,7 +147,7 @@ impl Evidence {
             height,
             servo_down: most.map_or(0.0, |(angle, _)| *angle),
             is_laser: self.power_on_motion,
-            full_power: options.full_power,
+            speed,
         };
         (rules, notes)
     }
@@ -160,5 +176,5 @@ pub(super) const UNDECIDED: Rules = Rules {
     height: f64::NEG_INFINITY,
     servo_down: 0.0,
     is_laser: false,
-    full_power: 1.0,
+    speed: SpeedRule::Share(1.0),
 };

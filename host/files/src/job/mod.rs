@@ -11,6 +11,7 @@ mod interpreter;
 mod modes;
 mod motion;
 mod options;
+mod pen_speeds;
 mod stream;
 #[cfg(feature = "svg")]
 mod svg;
@@ -19,7 +20,7 @@ mod tool;
 mod words;
 
 pub use error::{GcodeError, JobError, Warning, WarningKind};
-pub use options::{Dialect, JobOptions};
+pub use options::{Dialect, JobOptions, ToolLevels};
 pub use stream::JobStream;
 pub use text::read;
 pub use tool::ToolWords;

@@ -56,8 +56,10 @@ impl Interpreter {
             if bends {
                 return Err(stray(radius));
             }
+            self.evidence.moves(number, &self.tool, true);
             return self.straight(number, z_start, end, None, Activity::Rapid);
         }
+        self.evidence.moves(number, &self.tool, false);
         let feed = self.feed.ok_or(GcodeError::NoFeed)?;
         self.evidence.feeds(self.tool.servo_angle, power.is_some());
         self.evidence.extrudes |= self.tool.extrudes;

@@ -11,6 +11,17 @@ pub enum Dialect {
     RepRap,
 }
 
+/// The levels that the arm's tool has.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ToolLevels {
+    /// Every share from off to full power: a laser, a spindle.
+    #[default]
+    Shares,
+    /// Down or up, on or off: a pen on a servo, a switch. With S of M3 and M4 for down and for up,
+    /// if the robot file states them; else any S above 0 is down.
+    TwoStates(Option<[f64; 2]>),
+}
+
 /// How a job is read where its text leaves it open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JobOptions {
@@ -25,6 +36,8 @@ pub struct JobOptions {
     pub pen_height: Option<f64>,
     /// S of M3 and M4 at full power, as $30 of Grbl.
     pub full_power: f64,
+    /// The levels of the arm's tool.
+    pub levels: ToolLevels,
     /// Greatest distance of the lines of an SVG from its curves [m].
     pub tolerance: f64,
     /// Speed along the strokes of an SVG [m/s]; none: the arm's greatest speed.
@@ -38,6 +51,7 @@ impl Default for JobOptions {
             tool: None,
             pen_height: None,
             full_power: 1000.0,
+            levels: ToolLevels::Shares,
             tolerance: 2.5e-5,
             speed: None,
         }

@@ -5,7 +5,7 @@ use super::interpreter::Interpreter;
 use super::modes::MotionMode;
 use super::tool::{Activity, Spindle};
 use super::words::Line;
-use super::{GcodeError, Job, JobOptions, Placement};
+use super::{GcodeError, Job, JobOptions, Placement, Warning, WarningKind};
 
 /// Interprets the lines of a sender one by one.
 ///
@@ -37,10 +37,16 @@ impl JobStream {
         first.rules = UNDECIDED;
         first.line(0, &line)?;
         let mut next = self.interpreter.clone();
-        (next.rules, _) = first.evidence.rules(&self.options);
+        let (rules, notes) = first.evidence.rules(&self.options);
+        let is_new = rules.speed != next.rules.speed;
+        next.rules = rules;
         next.line(0, &line)?;
         next.evidence = first.evidence;
-        let job = std::mem::take(&mut next.job);
+        let mut job = std::mem::take(&mut next.job);
+        let of_pen = |note: &Warning| matches!(note.kind, WarningKind::PenSpeeds { .. });
+        let notes = notes.into_iter().filter(|note| is_new && of_pen(note));
+        job.warnings
+            .extend(notes.map(|note| Warning { line: 0, ..note }));
         self.interpreter = next;
         Ok(job)
     }

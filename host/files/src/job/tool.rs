@@ -40,8 +40,36 @@ pub(super) struct Rules {
     pub(super) servo_down: f64,
     /// Whether the tool is a laser, which is off during G0 whatever M3 says.
     pub(super) is_laser: bool,
-    /// S of M3 and M4 at full power.
-    pub(super) full_power: f64,
+    /// The level by S of M3 and M4.
+    pub(super) speed: SpeedRule,
+}
+
+/// The level that S of M3 and M4 gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum SpeedRule {
+    /// S as a share of this one.
+    Share(f64),
+    /// Down at any S above 0.
+    AboveZero,
+    /// Down at the S that is nearer to `down` than to `up`.
+    Nearer { down: f64, up: f64 },
+}
+
+impl SpeedRule {
+    fn level(self, speed: Option<f64>) -> f64 {
+        let Some(speed) = speed else { return 1.0 };
+        let is_down = match self {
+            Self::Share(full) => return (speed / full).clamp(0.0, 1.0),
+            Self::AboveZero => speed > 0.0,
+            Self::Nearer { down, up } => (speed - down).abs() < (speed - up).abs(),
+        };
+        f64::from(u8::from(is_down))
+    }
+
+    /// Whether the tool has only two states.
+    fn has_two_states(self) -> bool {
+        !matches!(self, Self::Share(_))
+    }
 }
 
 /// What a line does while the tool's level is asked for.
@@ -153,11 +181,11 @@ impl ToolState {
                     Spindle::Constant => is_feed || !rules.is_laser,
                     Spindle::Dynamic => activity == Activity::Feed,
                 };
-                let power = self.speed.map_or(1.0, |speed| speed / rules.full_power);
-                on(is_on) * power.clamp(0.0, 1.0)
+                on(is_on) * rules.speed.level(self.speed)
             }
             ToolWords::PenServo => on(self.pen_angle.is_some_and(|angle| angle <= PEN_DOWN_ANGLE)),
             ToolWords::Servo => on(self.servo_angle == Some(rules.servo_down)),
+            ToolWords::Fan if rules.speed.has_two_states() => on(self.fan > 0.0),
             ToolWords::Fan => self.fan,
             ToolWords::Height => on(self.z.is_some_and(|z| is_down(z, rules))),
             ToolWords::Extruder => on(self.extrudes && activity == Activity::Feed),

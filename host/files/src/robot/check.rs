@@ -55,6 +55,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     refusals.done()?;
 
     let (gravity, actuators) = (gravity?, actuators?);
+    let (tool_output, tool_speeds) = tool_output?;
     let (geometry, inertias) = of_links?;
     let (geometry, elbows) = (geometry?, WorkingMode::new(elbow1?, elbow4?));
     let rotor = |a: Actuator| a.rotor_inertia * a.gear_ratio * a.gear_ratio;
@@ -83,7 +84,8 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         home,
         actuators,
         tool: file.tool,
-        tool_output: tool_output?,
+        tool_output,
+        tool_speeds,
         limits: file.limits,
         motion: file.motion,
         control: sections.control,

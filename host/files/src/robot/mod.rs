@@ -77,6 +77,8 @@ pub struct Robot {
     pub tool: Tool,
     /// The output for the tool.
     pub tool_output: ToolOutputSettings,
+    /// S of M3 and M4 for a tool of two states, if the file states them.
+    pub(crate) tool_speeds: Option<[f64; 2]>,
     /// The joints' limits.
     pub limits: Limits,
     /// The tool's limits.

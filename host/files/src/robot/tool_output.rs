@@ -1,5 +1,7 @@
 //! `[tool_output]`: the output for a tool.
 
+use super::Robot;
+use crate::job::ToolLevels;
 use crate::source::{FileError, Key, Source};
 use fivebar_firmware::settings::{Field, ToolOutputSettings};
 use serde::Deserialize;
@@ -22,6 +24,8 @@ pub(super) struct ToolOutputFile {
     active_low: Option<bool>,
     frequency: Option<f64>,
     scale_with_speed: Option<bool>,
+    down_s: Option<f64>,
+    up_s: Option<f64>,
 }
 
 /// The keys of each kind.
@@ -34,9 +38,14 @@ const KINDS: [(&str, &[&str]); 3] = [
             "frame_rate",
             "down_time",
             "up_time",
+            "down_s",
+            "up_s",
         ],
     ),
-    ("switch", &["active_low", "down_time", "up_time"]),
+    (
+        "switch",
+        &["active_low", "down_time", "up_time", "down_s", "up_s"],
+    ),
     ("power", &["frequency", "scale_with_speed"]),
 ];
 
@@ -52,17 +61,55 @@ impl ToolOutputFile {
             ("active_low", self.active_low.is_some()),
             ("frequency", self.frequency.is_some()),
             ("scale_with_speed", self.scale_with_speed.is_some()),
+            ("down_s", self.down_s.is_some()),
+            ("up_s", self.up_s.is_some()),
         ]
         .into_iter()
         .filter_map(|(name, is_given)| is_given.then_some(name))
     }
 }
 
-/// Checks the section.
+impl Robot {
+    /// The levels of the tool, for the S of jobs.
+    pub fn tool_levels(&self) -> ToolLevels {
+        match self.tool_output {
+            ToolOutputSettings::Servo { .. } | ToolOutputSettings::Switch { .. } => {
+                ToolLevels::TwoStates(self.tool_speeds)
+            }
+            ToolOutputSettings::None | ToolOutputSettings::Power { .. } => ToolLevels::Shares,
+        }
+    }
+}
+
+/// Checks the section. Also gives S of M3 and M4 with the tool down and up, if they are stated.
 pub(super) fn read(
     source: &Source<'_>,
     file: &ToolOutputFile,
-) -> Result<ToolOutputSettings, FileError> {
+) -> Result<(ToolOutputSettings, Option<[f64; 2]>), FileError> {
+    Ok((output(source, file)?, speeds(source, file)?))
+}
+
+fn speeds(source: &Source<'_>, file: &ToolOutputFile) -> Result<Option<[f64; 2]>, FileError> {
+    let refuse = |name, reason: String| Err(source.refuse(Key::In(SECTION, name), reason));
+    let both = match (file.down_s, file.up_s) {
+        (None, None) => return Ok(None),
+        (Some(down), Some(up)) => [("down_s", down), ("up_s", up)],
+        (None, Some(_)) => return refuse("down_s", "is missing beside `up_s`".into()),
+        (Some(_), None) => return refuse("up_s", "is missing beside `down_s`".into()),
+    };
+    for (name, value) in both {
+        if !(value >= 0.0 && value.is_finite()) {
+            return refuse(name, format!("must be 0 or above, not {value:?}"));
+        }
+    }
+    let [(_, down), (_, up)] = both;
+    if down == up {
+        return refuse("down_s", "must not be the same as `up_s`".into());
+    }
+    Ok(Some([down, up]))
+}
+
+fn output(source: &Source<'_>, file: &ToolOutputFile) -> Result<ToolOutputSettings, FileError> {
     let refuse = |name, reason: String| Err(source.refuse(Key::In(SECTION, name), reason));
     let Some(kind) = file.kind.as_deref() else {
         return match file.given().next() {
@@ -211,6 +258,18 @@ mod tests {
                 "kind = \"power\"\nfrequency = 1.0\n".into(),
                 "frequency",
                 "must be 10.0",
+            ),
+            (format!("{SERVO}down_s = 90\n"), "up_s", "beside `down_s`"),
+            (format!("{SERVO}up_s = 30\n"), "down_s", "beside `up_s`"),
+            (
+                format!("{SERVO}up_s = 30\ndown_s = 30.0\n"),
+                "down_s",
+                "the same as `up_s`",
+            ),
+            (
+                format!("{SERVO}up_s = -1\ndown_s = 30.0\n"),
+                "up_s",
+                "must be 0 or above",
             ),
             (format!("{SERVO}colour = 1\n"), "colour", "unknown field"),
         ] {

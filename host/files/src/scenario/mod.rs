@@ -141,6 +141,7 @@ impl Scenario {
     fn read(&self, placement: &Placement) -> Result<Job, ScenarioError> {
         let options = JobOptions {
             tolerance: 0.5 * self.robot.motion.corner_tolerance / self.scale,
+            levels: self.robot.tool_levels(),
             ..self.options
         };
         let job = Job::parse_with(&self.job_text, placement, &options);

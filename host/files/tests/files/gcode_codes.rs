@@ -3,7 +3,8 @@
 
 use crate::placed::{AS_WRITTEN, job, refusal};
 use fivebar_files::job::{
-    self, Action, Dialect, GcodeError, Job, JobOptions, Placement, ToolWords, WarningKind,
+    self, Action, Dialect, GcodeError, Job, JobOptions, Placement, ToolLevels, ToolWords,
+    WarningKind,
 };
 
 fn with(options: JobOptions, text: &str) -> Job {
@@ -353,4 +354,56 @@ fn m780_changes_the_working_mode_where_the_tool_is_and_needs_both_elbows() {
         let text = format!("G1 X1 Y0 F600\n{line}\n");
         assert_eq!(refusal(&text), (2, reason), "{line}");
     }
+}
+
+/// The levels on a tool of two states, and the notes.
+fn pen(speeds: Option<[f64; 2]>, text: &str) -> (Vec<f64>, Vec<WarningKind>) {
+    let options = JobOptions {
+        levels: ToolLevels::TwoStates(speeds),
+        ..JobOptions::default()
+    };
+    let job = with(options, text);
+    let notes = job.warnings.iter().map(|note| note.kind.clone());
+    (levels(&job), notes.collect())
+}
+
+#[test]
+fn a_pen_is_down_at_any_speed_above_zero() {
+    let down = vec![WarningKind::PenDown];
+    let lightburn = "M4\nG0 X5 Y5\nG1 X10 F1200 S300\nG1 X15 S0\nG1 X20 S600\nM5";
+    assert_eq!(
+        pen(None, lightburn),
+        (vec![0.0, 1.0, 0.0, 1.0], down.clone())
+    );
+    let switched = "G0 X5 Y5\nM3 S90\nG1 X10 F1200\nM5\nG0 X20\nM3 S40\nG1 Y9\nM5\nG0 X0";
+    let drawn = vec![0.0, 1.0, 0.0, 1.0, 0.0];
+    assert_eq!(pen(None, switched), (drawn, down));
+    let fan = "G0 X5\nM106 S80\nG1 X10 F60\nM107\nG0 X2";
+    assert_eq!(pen(None, fan).0, [0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn of_two_speeds_of_a_pen_that_of_travel_is_up() {
+    let servo = "M3 S30\nG0 X5 Y5\nM3 S90\nG1 X10 F1200\nM3 S30\nG0 X20\nM3 S90\nG1 X9 Y9\n\
+                 M3 S30\nG0 X0 Y0\nM5";
+    let drawn = vec![0.0, 1.0, 0.0, 1.0, 0.0];
+    let found = |down, up| vec![WarningKind::PenSpeeds { down, up }];
+    assert_eq!(pen(None, servo), (drawn.clone(), found(90.0, 30.0)));
+    let swapped = servo
+        .replace("S30", "S9")
+        .replace("S90", "S30")
+        .replace("S9\n", "S90\n");
+    assert_eq!(pen(None, &swapped), (drawn.clone(), found(30.0, 90.0)));
+    // Travel by G1: more lines are drawn.
+    let slow = servo
+        .replace("G0", "G1 F900")
+        .replace("G1 X9 Y9", "G1 X9 Y9\nX10\nX11\nX12");
+    let drawn_slowly = vec![0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0];
+    assert_eq!(pen(None, &slow), (drawn_slowly, found(90.0, 30.0)));
+    // The robot file decides.
+    assert_eq!(pen(Some([90.0, 30.0]), servo), (drawn, vec![]));
+    let other = vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0];
+    assert_eq!(pen(Some([30.0, 90.0]), servo), (other, vec![]));
+    // As a laser, S is a share.
+    assert_eq!(levels(&job(servo)), [0.0, 0.03, 0.09, 0.03, 0.09, 0.03]);
 }

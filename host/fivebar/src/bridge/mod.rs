@@ -160,7 +160,10 @@ impl Reading {
         };
         Ok(Self {
             placement,
-            options: options.reading,
+            options: JobOptions {
+                levels: robot.tool_levels(),
+                ..options.reading
+            },
             dialect: options.dialect,
         })
     }

@@ -272,7 +272,7 @@ impl Engine {
         }
         let mut notes = String::new();
         for warning in &job.warnings {
-            if let WarningKind::UnknownCode(_) = warning.kind {
+            if let WarningKind::UnknownCode(_) | WarningKind::PenSpeeds { .. } = warning.kind {
                 notes += &Self::note(dialect, &warning.to_string());
             }
         }
