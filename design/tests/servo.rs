@@ -1,6 +1,6 @@
 //! The servo loop's margins against its poles, and the tuning.
 
-use fivebar_design::servo::{Gains, Servo, ServoDrive, TARGET_MODULUS, tune};
+use fivebar_design::servo::{CURRENTS, Gains, Servo, ServoDrive, TARGET_MODULUS, tune};
 use nalgebra::Matrix2;
 use proptest::prelude::*;
 
@@ -32,6 +32,7 @@ fn gains(bandwidth: f64) -> Gains {
         integral_rate: 0.2 * bandwidth,
         observer_bandwidth: 8.0 * bandwidth,
         current_bandwidth: 3000.0,
+        belts: None,
     }
 }
 
@@ -61,10 +62,10 @@ proptest! {
         drives[1].encoder_at_joint = at_joint;
         let servo = Servo::new(mass(m1, m4, coupling), drives, PERIOD);
         let gains = gains(bandwidth);
-        let radius = |factor: f64| servo.spectral_radius(&gains, factor);
+        let radius = |factor: f64| servo.spectral_radius(&servo.law(&gains), factor);
         prop_assume!(radius(1.0) < 1.0 - 1e-6);
-        let margins = servo.margins_by_poles(&gains);
-        let by_loci = servo.margins(&gains);
+        let margins = servo.margins_by_poles(&servo.law(&gains));
+        let by_loci = servo.margins(&servo.law(&gains));
         prop_assert!(margins.modulus <= 1.0 + 1e-9);
         for (pole, locus) in [
             (margins.gain_up, by_loci.gain_up),
@@ -91,7 +92,7 @@ proptest! {
     fn a_very_stiff_drive_is_a_rigid_one(m in 5e-4..2e-3_f64, bandwidth in 50.0..300.0_f64) {
         let stiff = Servo::new(mass(m, m, 0.2), [drive(Some(1e6)); 2], PERIOD);
         let rigid = Servo::new(mass(m, m, 0.2), [drive(None); 2], PERIOD);
-        let [stiff, rigid] = [stiff, rigid].map(|servo| servo.margins(&gains(bandwidth)));
+        let [stiff, rigid] = [stiff, rigid].map(|servo| servo.margins(&servo.law(&gains(bandwidth))));
         prop_assert!((stiff.modulus - rigid.modulus).abs() < 0.01);
         prop_assert!((stiff.delay / rigid.delay - 1.0).abs() < 0.02);
     }
@@ -104,10 +105,10 @@ fn an_unknown_delay_of_the_delay_margin_makes_the_loop_oscillate() {
     // comparison is with the phase e^(−jωd) on the loci themselves.
     let servo = Servo::new(mass(1.2e-3, 1.2e-3, 0.2), [drive(None); 2], PERIOD);
     let gains = gains(250.0);
-    let margins = servo.margins(&gains);
+    let margins = servo.margins(&servo.law(&gains));
     let late = |delay: f64| {
         servo
-            .loci(&gains)
+            .loci(&servo.law(&gains))
             .iter()
             .flat_map(|point| {
                 let turn = nalgebra::Complex::from_polar(1.0, -point.omega * delay);
@@ -138,17 +139,17 @@ fn tuning_keeps_its_margin_on_belts_of_any_stiffness() {
         .into_iter()
         .map(|(m1, m4, c)| Servo::new(mass(m1, m4, c), [drive(stiffness); 2], PERIOD))
         .collect();
-        let tuning = tune(&poses).expect("a tuning");
+        let tuning = tune(&poses, &CURRENTS).expect("a tuning");
         println!("{stiffness:?} {tuning:?}");
         assert!(tuning.is_good(), "{stiffness:?}: {tuning:?}");
         assert!(tuning.gains.bandwidth >= 60.0, "{stiffness:?}: {tuning:?}");
         for servo in &poses {
-            let margins = servo.margins(&tuning.gains);
+            let margins = servo.margins(&servo.law(&tuning.gains));
             assert!(
                 margins.modulus >= TARGET_MODULUS,
                 "{stiffness:?}: {margins:?}"
             );
-            assert!(servo.spectral_radius(&tuning.gains, 1.0) < 1.0);
+            assert!(servo.spectral_radius(&servo.law(&tuning.gains), 1.0) < 1.0);
         }
     }
 }
@@ -159,7 +160,7 @@ fn coarse_counts_latency_and_slow_ticks_lower_the_bandwidth() {
         let mut drive = drive(None);
         change(&mut drive);
         let servo = Servo::new(mass(1.2e-3, 1.2e-3, 0.2), [drive; 2], period);
-        tune(&[servo]).expect("a tuning").gains.bandwidth
+        tune(&[servo], &CURRENTS).expect("a tuning").gains.bandwidth
     };
     let plain = tuned(|_| (), PERIOD);
     let coarse = tuned(|drive| drive.count *= 100.0, PERIOD);

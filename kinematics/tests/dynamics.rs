@@ -57,6 +57,12 @@ proptest! {
         let links = Links::of(&pose, arm.geometry());
         let torque = base_parameters.torques(&links, [omega1, omega4], moving.alpha);
         assert_torque("τ", torque, kane, 1e-9);
+        let mass = arm.mass_matrix(&pose).unwrap();
+        for (regrouped, mass) in base_parameters.mass(&links).into_iter().zip([
+            mass.m11, mass.m12, mass.m22,
+        ]) {
+            prop_assert!((regrouped - mass).abs() <= 1e-9 * mass.abs().max(1e-3), "{regrouped} for {mass}");
+        }
     }
 
     #[test]

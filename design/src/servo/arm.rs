@@ -9,6 +9,7 @@
 //! A rigid drive has θm = θ. The voltages v are held over a tick.
 
 use super::exponential::exponential;
+use fivebar_kinematics::control::Belt;
 use nalgebra::{DMatrix, Matrix2};
 
 /// One drive, as its loop meets it. Angles and torques are at the joint.
@@ -47,8 +48,18 @@ impl ServoDrive {
         Some(rate / std::f64::consts::TAU)
     }
 
+    /// What stretches; infinitely stiff for a rigid drive.
+    pub(super) fn belt(&self) -> Belt<f64> {
+        Belt {
+            stiffness: self.stiffness.unwrap_or(f64::INFINITY),
+            damping: self.damping,
+            rotor_inertia: self.rotor_inertia,
+            encoder_at_joint: self.encoder_at_joint,
+        }
+    }
+
     /// Whether rotor and joint move by themselves.
-    fn is_elastic(&self) -> bool {
+    pub(super) fn is_elastic(&self) -> bool {
         self.stiffness.is_some() && self.rotor_inertia > 0.0
     }
 }
@@ -62,9 +73,11 @@ pub struct Servo {
     pub drives: [ServoDrive; 2],
     /// T [s].
     pub period: f64,
-    /// x ← A x + B v over one tick; x: angles, rates, then the currents.
+    /// x ← A x + B v + W w over one tick; x: angles, the joints' first, rates, then the currents; w: torques on the
+    /// joints from outside.
     pub(super) a: DMatrix<f64>,
     pub(super) b: DMatrix<f64>,
+    pub(super) w: DMatrix<f64>,
     /// For each joint, the row that gives the encoder's angle, when it is younger than a whole
     /// number of ticks by 1 − ε ticks, from the state and the voltages of the tick before.
     pub(super) angle: [Angle; 2],
@@ -92,13 +105,13 @@ struct Continuous {
 impl Continuous {
     /// e^(At), and the integral of e^(As) B over 0…t.
     fn sampled(&self, t: f64) -> (DMatrix<f64>, DMatrix<f64>) {
-        let n = self.a.nrows();
-        let mut both = DMatrix::zeros(n + 2, n + 2);
+        let (n, inputs) = self.b.shape();
+        let mut both = DMatrix::zeros(n + inputs, n + inputs);
         both.view_mut((0, 0), (n, n)).copy_from(&(&self.a * t));
-        both.view_mut((0, n), (n, 2)).copy_from(&(&self.b * t));
+        both.view_mut((0, n), (n, inputs)).copy_from(&(&self.b * t));
         let grown = exponential(&both);
-        let part = |columns| grown.view((0, columns), (n, if columns == 0 { n } else { 2 }));
-        (part(0).into_owned(), part(n).into_owned())
+        let part = |from, columns| grown.view((0, from), (n, columns)).into_owned();
+        (part(0, n), part(n, inputs))
     }
 }
 
@@ -151,6 +164,15 @@ impl Servo {
             a[(i, n + m)] = -drive.torque_per_current / drive.inductance;
             b[(i, j)] = 1.0 / drive.inductance;
         }
+        let mut loads = DMatrix::zeros(size, 2);
+        loads
+            .view_mut((n, 0), (n, 2))
+            .copy_from(&inverse.columns(0, 2));
+        let (_, w) = Continuous {
+            a: a.clone(),
+            b: loads,
+        }
+        .sampled(period);
         let continuous = Continuous { a, b };
         let (a, b) = continuous.sampled(period);
         let angle = [0, 1].map(|j| {
@@ -171,6 +193,7 @@ impl Servo {
             period,
             a,
             b,
+            w,
             angle,
             currents,
         }

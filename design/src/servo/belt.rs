@@ -2,11 +2,14 @@
 //!
 //! In the directions of the mass matrix's eigenvectors the arm is two joints of one inertia each, because equal drives
 //! stay equal in any directions. So gains that suit one joint with every inertia from the least to the greatest
-//! eigenvalue over the poses suit an arm with equal drives. What differs from that (unequal drives) is not judged here.
+//! eigenvalue over the poses suit an arm with equal drives. What differs from that (unequal drives) shows in
+//! [`Servo::margins`](super::Servo::margins).
 
+use super::belt_law::belt_laws;
 use super::exponential::exponential;
+use super::linear::Linear;
 use super::simplex::least;
-use fivebar_kinematics::control::{Belt, BeltGains, BeltLaw, BeltState};
+use fivebar_kinematics::control::{Belt, BeltGains, BeltLaw};
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 use std::f64::consts::PI;
@@ -74,30 +77,6 @@ const SHAPES: [[f64; 4]; 3] = [
     [0.0044, 0.43, 0.008, 0.154],
 ];
 
-/// A linear system x ← A x + b u, y = c·x + d u.
-#[derive(Clone)]
-struct Linear {
-    a: DMatrix<f64>,
-    b: DVector<f64>,
-    c: DVector<f64>,
-    d: f64,
-}
-
-impl Linear {
-    fn response(&self, z: C) -> C {
-        let n = self.a.nrows();
-        let resolvent = DMatrix::from_fn(n, n, |i, j| {
-            C::new(-self.a[(i, j)], 0.0) + if i == j { z } else { C::new(0.0, 0.0) }
-        });
-        let b = self.b.map(|x| C::new(x, 0.0));
-        let nan = C::new(f64::NAN, 0.0);
-        resolvent.lu().solve(&b).map_or(nan, |x| {
-            let sum: C = x.iter().zip(self.c.iter()).map(|(x, &c)| *x * c).sum();
-            sum + self.d
-        })
-    }
-}
-
 impl BeltJoint {
     /// Whole ticks of the encoder's latency.
     pub fn late(&self) -> usize {
@@ -150,62 +129,23 @@ impl BeltJoint {
         for i in 0..late {
             a[(7 + i, if i == 0 { measured } else { 6 + i })] = 1.0;
         }
-        let mut b = DVector::zeros(n);
+        let mut b = DMatrix::zeros(n, 1);
         b[6] = 1.0;
-        let mut c = DVector::zeros(n);
+        let mut c = DMatrix::zeros(1, n);
         c[if late == 0 { measured } else { n - 1 }] = 1.0;
-        Linear { a, b, c, d: 0.0 }
-    }
-
-    /// The law as the target runs it, from the encoder's angle to the demanded torque: found by asking it.
-    fn controller(&self, gains: &BeltGains<f64>, inertia: f64) -> Linear {
-        let law = self.law(gains);
-        let late = self.late();
-        let n = 7 + late;
-        let step = |x: &[f64], measured: f64| {
-            let mut state = BeltState {
-                rotor_angle: x[0],
-                rotor_velocity: x[1],
-                angle: x[2],
-                velocity: x[3],
-                load: x[4],
-                torque: x[5],
-            };
-            let impulse = law.correct(&mut state, measured);
-            state.velocity += impulse / inertia;
-            let demand = law.demand(&state);
-            let torque = (inertia + self.belt.rotor_inertia) * demand.alpha + demand.torque;
-            let change = law.impulse(&state) / inertia;
-            law.advance(&mut state, change, x[n - 1]);
-            let mut next = vec![0.0; n];
-            next[..6].copy_from_slice(&[
-                state.rotor_angle,
-                state.rotor_velocity,
-                state.angle,
-                state.velocity,
-                state.load,
-                state.torque,
-            ]);
-            next[6] = torque;
-            next[7..].copy_from_slice(&x[6..n - 1]);
-            (next, torque)
-        };
-        let mut x = vec![0.0; n];
-        let (mut a, mut c) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        for column in 0..n {
-            x[column] = 1.0;
-            let (next, torque) = step(&x, 0.0);
-            a.column_mut(column).copy_from_slice(&next);
-            c[column] = torque;
-            x[column] = 0.0;
-        }
-        let (next, d) = step(&x, 1.0);
         Linear {
             a,
-            b: DVector::from_vec(next),
+            b,
             c,
-            d,
+            d: DMatrix::zeros(1, 1),
         }
+    }
+
+    /// The law, from the encoder's angle to the demanded torque, for links of this inertia in the model.
+    fn controller(&self, gains: &BeltGains<f64>, inertia: f64) -> Linear {
+        let rotor = self.belt.rotor_inertia;
+        let mass_matrix = DMatrix::from_element(1, 1, inertia + rotor);
+        belt_laws(&[self.law(gains)], &mass_matrix, &[rotor], self.late())
     }
 }
 
@@ -213,16 +153,16 @@ impl BeltJoint {
 fn closed(plant: &Linear, law: &Linear) -> DMatrix<f64> {
     let (n, m) = (plant.a.nrows(), law.a.nrows());
     let mut matrix = DMatrix::zeros(n + m, n + m);
-    let feedthrough = &plant.b * plant.c.transpose() * law.d;
+    let feedthrough = &plant.b * &law.d * &plant.c;
     matrix
         .view_mut((0, 0), (n, n))
         .copy_from(&(&plant.a + feedthrough));
     matrix
         .view_mut((0, n), (n, m))
-        .copy_from(&(&plant.b * law.c.transpose()));
+        .copy_from(&(&plant.b * &law.c));
     matrix
         .view_mut((n, 0), (m, n))
-        .copy_from(&(&law.b * plant.c.transpose()));
+        .copy_from(&(&law.b * &plant.c));
     matrix.view_mut((n, n), (m, m)).copy_from(&law.a);
     matrix
 }
@@ -256,10 +196,10 @@ impl<'a> Search<'a> {
         let cases = joint.inertia.map(|inertia| {
             let plants = [1.0, low, high].map(|factor| {
                 let plant = joint.plant(factor * inertia);
-                let responses = z.iter().map(|&z| plant.response(z)).collect();
+                let responses = z.iter().map(|&z| plant.response(z)[0]).collect();
                 (plant, responses)
             });
-            let noise = even.iter().map(|&z| plants[0].0.response(z)).collect();
+            let noise = even.iter().map(|&z| plants[0].0.response(z)[0]).collect();
             Case {
                 inertia,
                 plants: plants.into(),
@@ -296,7 +236,7 @@ impl<'a> Search<'a> {
                     return None;
                 }
             }
-            let answers: Vec<C> = self.z.iter().map(|&z| law.response(z)).collect();
+            let answers: Vec<C> = self.z.iter().map(|&z| law.response(z)[0]).collect();
             for (index, (_, responses)) in case.plants.iter().enumerate() {
                 let distances = answers.iter().zip(responses);
                 let modulus = distances
@@ -312,7 +252,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .zip(&case.noise)
                 .map(|(&z, p)| {
-                    let k = law.response(z);
+                    let k = law.response(z)[0];
                     (k / (1.0 - k * p)).norm_sqr()
                 })
                 .sum();

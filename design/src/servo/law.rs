@@ -1,11 +1,13 @@
 //! The controller's loops as numbers: found by asking the code that the target runs.
 
+use super::arm::{Servo, ServoDrive};
+use super::belt_law::belt_laws;
+use super::linear::Linear;
 use fivebar_kinematics::control::{
-    Bus, CurrentLoop, CurrentState, ObserverState, PositionLoop, VelocityObserver,
+    BeltGains, BeltLaw, Bus, CurrentLoop, CurrentState, ObserverState, PositionLoop,
+    VelocityObserver,
 };
-use nalgebra::{Matrix2, Vector2};
-
-use super::arm::ServoDrive;
+use nalgebra::{DMatrix, Matrix2, Vector2};
 
 /// Bandwidths of the loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +22,51 @@ pub struct Gains {
     pub observer_bandwidth: f64,
     /// Of the current loop [rad/s].
     pub current_bandwidth: f64,
+    /// The loops of joints behind belts, which then take the position loop's part.
+    pub belts: Option<[BeltGains<f64>; 2]>,
+}
+
+/// What a controller does that has the model of the arm at a pose.
+#[derive(Clone, Debug)]
+pub struct ArmLaw {
+    pub(super) joints: [Law; 2],
+    /// M of the model [kg·m²].
+    pub(super) mass_matrix: Matrix2<f64>,
+    /// Kp of each joint [1/s²].
+    pub(super) angle_gains: [f64; 2],
+    /// From the encoders' angles to the demanded torques, of joints behind belts.
+    pub(super) belts: Option<Linear>,
+}
+
+impl Servo {
+    /// What a controller does whose model is this arm. It may then control another one.
+    pub fn law(&self, gains: &Gains) -> ArmLaw {
+        let joints = self.drives;
+        ArmLaw {
+            joints: joints.map(|drive| Law::new(gains, &drive, self.period)),
+            mass_matrix: self.mass_matrix,
+            angle_gains: match &gains.belts {
+                None => [gains.bandwidth; 2],
+                Some(belts) => belts.map(|belt| belt.bandwidth),
+            }
+            .map(|bandwidth| bandwidth * bandwidth),
+            belts: gains.belts.map(|belts| self.belt_law(&belts, gains)),
+        }
+    }
+
+    fn belt_law(&self, belts: &[BeltGains<f64>; 2], gains: &Gains) -> Linear {
+        let drive_lag = 1.0 / gains.current_bandwidth;
+        let laws = [0, 1].map(|j| {
+            let drive = &self.drives[j];
+            let lag = drive_lag + drive.encoder_latency;
+            BeltLaw::new(&drive.belt(), &belts[j], drive_lag, lag, self.period)
+        });
+        let latency = self.drives.map(|drive| drive.encoder_latency);
+        let late = (latency[0].max(latency[1]) / self.period).round() as usize;
+        let mass_matrix = DMatrix::from_column_slice(2, 2, self.mass_matrix.as_slice());
+        let rotors = self.drives.map(|drive| drive.rotor_inertia);
+        belt_laws(&laws, &mass_matrix, &rotors, late)
+    }
 }
 
 /// The laws of one joint. Each is linear while nothing is limited, so its answers to unit inputs

@@ -5,7 +5,7 @@
 //! one that crosses the unit circle at the angle −π + φ after ω allows the delay φ/ω.
 
 use super::arm::Servo;
-use super::law::{Gains, Law};
+use super::law::ArmLaw;
 use super::response::ArmResponse;
 use nalgebra::Matrix2;
 use num_complex::Complex;
@@ -92,11 +92,10 @@ impl Servo {
     }
 
     /// The open loop from 1 rad/s to half the tick rate, finely where it changes fast.
-    pub fn loci(&self, gains: &Gains) -> Vec<LoopPoint> {
-        let laws = self.laws(gains);
+    pub fn loci(&self, law: &ArmLaw) -> Vec<LoopPoint> {
         let at = |omega: f64| LoopPoint {
             omega,
-            loci: self.loci_at(&laws, &self.arm_response(omega)),
+            loci: self.loci_at(law, &self.arm_response(omega)),
         };
         let mut points: Vec<LoopPoint> = Vec::new();
         for omega in self.frequencies(POINTS) {
@@ -110,22 +109,22 @@ impl Servo {
     }
 
     /// The eigenvalues of the open loop at one frequency, in any order.
-    pub(super) fn loci_at(&self, laws: &[Law; 2], arm: &ArmResponse) -> [Complex<f64>; 2] {
-        eigenvalues(&self.open_loop(laws, arm).response)
+    pub(super) fn loci_at(&self, law: &ArmLaw, arm: &ArmResponse) -> [Complex<f64>; 2] {
+        eigenvalues(&self.open_loop(law, arm).response)
     }
 
     /// The margins at this pose. They are those of a stable loop only if
     /// [`Servo::spectral_radius`] is below 1.
-    pub fn margins(&self, gains: &Gains) -> Margins {
-        Margins::of(&self.loci(gains))
+    pub fn margins(&self, law: &ArmLaw) -> Margins {
+        Margins::of(&self.loci(law))
     }
 
     /// The margins of a stable loop, its gain margins by the poles: a locus that turns fast can
     /// cross the real axis between two points.
-    pub fn margins_by_poles(&self, gains: &Gains) -> Margins {
-        let margins = self.margins(gains);
-        let up = self.first_unstable(gains, margins.gain_up.min(GREATEST_FACTOR));
-        let down = self.first_unstable(gains, margins.gain_down.max(1.0 / GREATEST_FACTOR));
+    pub fn margins_by_poles(&self, law: &ArmLaw) -> Margins {
+        let margins = self.margins(law);
+        let up = self.first_unstable(law, margins.gain_up.min(GREATEST_FACTOR));
+        let down = self.first_unstable(law, margins.gain_down.max(1.0 / GREATEST_FACTOR));
         Margins {
             gain_up: up.unwrap_or(f64::INFINITY),
             gain_down: down.unwrap_or(0.0),
@@ -135,8 +134,8 @@ impl Servo {
 
     /// The factor nearest to 1 at which the loop oscillates, from 1 to a little beyond
     /// `factor`.
-    fn first_unstable(&self, gains: &Gains, factor: f64) -> Option<f64> {
-        let unstable = |log: f64| self.spectral_radius(gains, log.exp()) >= 1.0;
+    fn first_unstable(&self, law: &ArmLaw, factor: f64) -> Option<f64> {
+        let unstable = |log: f64| self.spectral_radius(law, log.exp()) >= 1.0;
         let end = 1.02 * factor.ln();
         let at = |step: u32| end * f64::from(step) / f64::from(FACTORS);
         let step = (1..=FACTORS).find(|&step| unstable(at(step)))?;

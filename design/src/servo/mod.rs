@@ -19,8 +19,11 @@
 
 mod arm;
 mod belt;
+mod belt_law;
+mod compliance;
 mod exponential;
 mod law;
+mod linear;
 mod margins;
 mod response;
 mod simplex;
@@ -29,7 +32,7 @@ mod tuning;
 
 pub use arm::{Servo, ServoDrive};
 pub use belt::{BeltJoint, BeltTuning, MOST_LATE, tune_belt};
-pub use law::Gains;
+pub use law::{ArmLaw, Gains};
 pub use margins::{LoopPoint, Margins};
 pub use states::MOST_KEPT;
-pub use tuning::{TARGET_MODULUS, Tuning, tune};
+pub use tuning::{CURRENTS, TARGET_MODULUS, Tuning, tune};

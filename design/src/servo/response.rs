@@ -1,7 +1,8 @@
 //! The frequency response L(e^(jωT)) of the open loop, block by block.
 
 use super::arm::Servo;
-use super::law::{Gains, Law};
+use super::law::{ArmLaw, Law};
+use super::linear::solve;
 use nalgebra::{DMatrix, Matrix2};
 use num_complex::Complex;
 
@@ -31,10 +32,7 @@ impl Servo {
     /// The arm's response at ω [rad/s]. The voltages act one tick after they are set.
     pub(super) fn arm_response(&self, omega: f64) -> ArmResponse {
         let z = C::from_polar(1.0, omega * self.period);
-        let n = self.a.nrows();
-        let resolvent = DMatrix::from_diagonal_element(n, n, z) - complex(&self.a);
-        let nan = || DMatrix::from_element(n, 2, C::new(f64::NAN, 0.0));
-        let x = resolvent.lu().solve(&complex(&self.b)).unwrap_or_else(nan);
+        let x = solve(&self.a, &self.b, z);
         let rows = [0, 1].map(|j| {
             let angle = &self.angle[j];
             let read = match &angle.early {
@@ -53,16 +51,11 @@ impl Servo {
         }
     }
 
-    /// The laws of both joints.
-    pub(super) fn laws(&self, gains: &Gains) -> [Law; 2] {
-        self.drives
-            .map(|drive| Law::new(gains, &drive, self.period))
-    }
-
     /// L(z) = M K(z) P(z) V(z): voltages for torques, encoder angles for voltages, torques
     /// demanded for angles.
-    pub(super) fn open_loop(&self, laws: &[Law; 2], arm: &ArmResponse) -> OpenLoop {
+    pub(super) fn open_loop(&self, law: &ArmLaw, arm: &ArmResponse) -> OpenLoop {
         let z = arm.z;
+        let laws = &law.joints;
         let one = C::new(1.0, 0.0);
         let estimates = [Estimate::new(&laws[0], z), Estimate::new(&laws[1], z)];
         let current = |j: usize| laws[j].current_integral / (z - one) + laws[j].current_gain;
@@ -78,15 +71,22 @@ impl Servo {
             per_torque(0, current1),
             per_torque(1, current4),
         );
-        let feedback = self.feedback(laws, z, &estimates);
+        let feedback = law.feedback(z, &estimates);
         OpenLoop {
             response: product(&product(&feedback, &arm.angles), &volts),
             feedback,
         }
     }
+}
 
+impl ArmLaw {
     /// M K(z): the torques demanded against encoder angles.
-    fn feedback(&self, laws: &[Law; 2], z: C, estimates: &[Estimate; 2]) -> Matrix2<C> {
+    fn feedback(&self, z: C, estimates: &[Estimate; 2]) -> Matrix2<C> {
+        if let Some(belts) = &self.belts {
+            let torques = belts.response(z);
+            return Matrix2::from_fn(|row, column| -torques[(row, column)]);
+        }
+        let laws = &self.joints;
         let feedback = |j: usize| {
             let (law, estimate) = (&laws[j], &estimates[j]);
             let integral = law.integral_gain / (z - 1.0);

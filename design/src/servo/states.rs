@@ -1,8 +1,8 @@
 //! The closed loop as a matrix over the states of arm and controller: its poles.
 
 use super::arm::Servo;
-use super::law::Gains;
-use nalgebra::{DMatrix, Schur};
+use super::law::ArmLaw;
+use nalgebra::{DMatrix, DVector, Schur, Vector2};
 
 /// Most encoder readings that are delayed at once: the greatest latency in ticks.
 pub const MOST_KEPT: usize = 64;
@@ -13,11 +13,11 @@ impl Servo {
     /// The greatest |z| of the closed loop's poles, with both torques multiplied by `factor`;
     /// below 1 it is stable. Infinite for an arm that is not finite, and if an encoder is later
     /// than [`MOST_KEPT`] ticks.
-    pub fn spectral_radius(&self, gains: &Gains, factor: f64) -> f64 {
+    pub fn spectral_radius(&self, law: &ArmLaw, factor: f64) -> f64 {
         if self.angle.iter().any(|angle| angle.kept() > MOST_KEPT) {
             return f64::INFINITY;
         }
-        let matrix = self.closed_loop(gains, factor);
+        let matrix = self.closed_loop(law, factor);
         if !matrix.iter().all(|entry| entry.is_finite()) {
             return f64::INFINITY;
         }
@@ -44,20 +44,22 @@ impl Servo {
     /// The matrix that takes the states over one tick.
     ///
     /// In their order: the arm; the voltages that act; old encoder angles of joint 1, then of
-    /// joint 4; for each joint θ̂, ω̂, the integral, the current loop's integral.
-    fn closed_loop(&self, gains: &Gains, factor: f64) -> DMatrix<f64> {
-        let laws = self.laws(gains);
+    /// joint 4; for each joint θ̂, ω̂, the integral, the current loop's integral; those of the laws of belts.
+    pub(super) fn closed_loop(&self, law: &ArmLaw, factor: f64) -> DMatrix<f64> {
+        let laws = &law.joints;
         let n = self.a.nrows();
         let kept = [0, 1].map(|j: usize| self.angle[j].kept());
         let old = [n + 2, n + 2 + kept[0]];
         let loops = [0, 4].map(|offset| n + 2 + kept[0] + kept[1] + offset);
-        let size = loops[1] + 4;
+        let on_belts = loops[1] + 4;
+        let size = on_belts + law.belts.as_ref().map_or(0, |belts| belts.a.nrows());
         let step = |x: &DMatrix<f64>| {
             let mut next = DMatrix::zeros(size, 1);
             let arm = x.rows(0, n);
             let acting = x.rows(n, 2);
             let mut estimates = [[0.0; 2]; 2];
-            let mut alpha = [0.0; 2];
+            let mut alpha = Vector2::zeros();
+            let mut angles = DVector::zeros(2);
             for j in 0..2 {
                 let (angle, law, at) = (&self.angle[j], &laws[j], loops[j]);
                 let now = (&angle.row * arm)[0];
@@ -75,6 +77,7 @@ impl Servo {
                     let before = if k == 0 { newest } else { x[old[j] + k - 1] };
                     next[old[j] + k] = before;
                 }
+                angles[j] = measured;
                 let o = law.observer;
                 let (angle, velocity) = (x[at], x[at + 1]);
                 let angle_now =
@@ -86,14 +89,25 @@ impl Servo {
                     x[at + 2] - law.angle_gain * angle_now - law.velocity_gain * velocity_now;
                 next[at] = angle_now;
                 next[at + 1] = velocity_now;
-                next[at + 2] =
-                    x[at + 2] - law.integral_gain * (angle_now + law.lead * velocity_now);
+                // The laws of belts have their own.
+                if on_belts == size {
+                    next[at + 2] =
+                        x[at + 2] - law.integral_gain * (angle_now + law.lead * velocity_now);
+                }
             }
+            let torques = match &law.belts {
+                None => law.mass_matrix * alpha,
+                Some(belts) => {
+                    let states = x.rows(on_belts, belts.a.nrows());
+                    next.rows_mut(on_belts, belts.a.nrows())
+                        .copy_from(&(&belts.a * states + &belts.b * &angles));
+                    let torques = &belts.c * states + &belts.d * &angles;
+                    Vector2::new(torques[0], torques[1])
+                }
+            };
             for j in 0..2 {
                 let (law, drive, at) = (&laws[j], &self.drives[j], loops[j]);
-                let m = self.mass_matrix.row(j);
-                let torque = factor * (m[0] * alpha[0] + m[1] * alpha[1]);
-                let error = torque / drive.torque_per_current - x[self.currents[j]];
+                let error = factor * torques[j] / drive.torque_per_current - x[self.currents[j]];
                 let volts = law.current_gain * error + x[at + 3] + law.back_emf * estimates[j][1];
                 next[n + j] = volts;
                 next[at + 3] = x[at + 3] + law.current_integral * error;

@@ -10,7 +10,7 @@
 //! M K (1 + P V M K)⁻¹ of it.
 
 use super::arm::Servo;
-use super::law::{Gains, Law};
+use super::law::{ArmLaw, Gains};
 use super::response::ArmResponse;
 use nalgebra::Matrix2;
 use num_complex::Complex;
@@ -36,8 +36,8 @@ const RATIO: f64 = 0.95;
 /// The observer's bandwidths that are tried, per the position loop's [1]. A higher one takes less
 /// phase and lets more noise pass.
 const OBSERVERS: [f64; 7] = [5.0, 6.0, 8.0, 9.0, 10.0, 14.0, 20.0];
-/// The current loop's bandwidths that are tried, times the tick's period [1].
-const CURRENTS: [f64; 3] = [0.35, 0.2, 0.1];
+/// Bandwidths of a current loop, times the tick's period [1], the fastest first.
+pub const CURRENTS: [f64; 3] = [0.35, 0.2, 0.1];
 
 /// What a search found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,8 +58,9 @@ impl Tuning {
 }
 
 /// The bandwidths for an arm, which `poses` stand for. If none is good, those with the greatest
-/// margin; none if there is no pose, or if no loop is stable.
-pub fn tune(poses: &[Servo]) -> Option<Tuning> {
+/// margin; none if there is no pose, or if no loop is stable. `currents` are the bandwidths of the current loop that
+/// are tried, times the tick's period.
+pub fn tune(poses: &[Servo], currents: &[f64]) -> Option<Tuning> {
     let period = poses.first()?.period;
     let mut search = Search::of(poses);
     let mut best: Option<Tuning> = None;
@@ -67,7 +68,7 @@ pub fn tune(poses: &[Servo]) -> Option<Tuning> {
         let bandwidth = tidy(HIGHEST / period * RATIO.powi(step as i32));
         let mut here: Vec<Tuning> = Vec::new();
         let mut greatest = best.map_or(0.0, |best| best.modulus);
-        for current in CURRENTS {
+        for &current in currents {
             for observer in OBSERVERS {
                 let gains = Gains {
                     bandwidth,
@@ -75,6 +76,7 @@ pub fn tune(poses: &[Servo]) -> Option<Tuning> {
                     integral_rate: 0.25 * bandwidth,
                     observer_bandwidth: observer * bandwidth,
                     current_bandwidth: (current / period).round(),
+                    belts: None,
                 };
                 let possible = gains.bandwidth <= 0.25 * gains.current_bandwidth
                     && gains.observer_bandwidth <= 1.0 / period;
@@ -89,14 +91,14 @@ pub fn tune(poses: &[Servo]) -> Option<Tuning> {
         }
         here.sort_by(|a, b| b.modulus.total_cmp(&a.modulus));
         let stable = |tuning: &Tuning| {
-            let radius = |servo: &Servo| servo.spectral_radius(&tuning.gains, 1.0);
+            let radius = |servo: &Servo| servo.spectral_radius(&servo.law(&tuning.gains), 1.0);
             poses.iter().all(|servo| radius(servo) < 1.0)
         };
         // Between the points of the search a locus may come nearer.
         let exactly = |tuning: &Tuning| Tuning {
             modulus: poses
                 .iter()
-                .map(|servo| servo.margins(&tuning.gains).modulus)
+                .map(|servo| servo.margins(&servo.law(&tuning.gains)).modulus)
                 .fold(f64::INFINITY, f64::min),
             ..*tuning
         };
@@ -161,7 +163,7 @@ impl<'a> Search<'a> {
 
     /// Margin and noise at all poses; none if the margin is below `least`.
     fn judge(&mut self, gains: Gains, least: f64) -> Option<Tuning> {
-        let laws: Vec<[Law; 2]> = self.poses.iter().map(|servo| servo.laws(&gains)).collect();
+        let laws: Vec<ArmLaw> = self.poses.iter().map(|servo| servo.law(&gains)).collect();
         let distance = |(pose, point): (usize, usize)| {
             // The order of two eigenvalues does not matter to the distance of points from −1.
             let loci = self.poses[pose].loci_at(&laws[pose], &self.responses[pose].loci[point]);
@@ -182,7 +184,7 @@ impl<'a> Search<'a> {
         }
         let noises = self.poses.iter().zip(&laws).zip(&self.responses);
         let noise = noises
-            .map(|((servo, laws), responses)| servo.noise_at(laws, &responses.noise))
+            .map(|((servo, law), responses)| servo.noise_at(law, &responses.noise))
             .fold(0.0, f64::max);
         Some(Tuning {
             gains,
@@ -195,8 +197,8 @@ impl<'a> Search<'a> {
 impl Servo {
     /// Torque by the encoders' counts, root mean square, as a share of the peak torque: the
     /// greater of both joints.
-    pub fn noise(&self, gains: &Gains) -> f64 {
-        self.noise_at(&self.laws(gains), &self.noise_responses())
+    pub fn noise(&self, law: &ArmLaw) -> f64 {
+        self.noise_at(law, &self.noise_responses())
     }
 
     fn noise_responses(&self) -> Vec<ArmResponse> {
@@ -206,11 +208,11 @@ impl Servo {
             .collect()
     }
 
-    fn noise_at(&self, laws: &[Law; 2], responses: &[ArmResponse]) -> f64 {
+    fn noise_at(&self, law: &ArmLaw, responses: &[ArmResponse]) -> f64 {
         let nan = Matrix2::from_element(Complex::new(f64::NAN, 0.0));
         let mut variance = [0.0; 2];
         for arm in responses {
-            let open = self.open_loop(laws, arm);
+            let open = self.open_loop(law, arm);
             let sensitivity = Matrix2::identity() + open.response;
             let closed = sensitivity.try_inverse().unwrap_or(nan) * open.feedback;
             for (j, sum) in variance.iter_mut().enumerate() {

@@ -19,7 +19,7 @@ use cortex_m_rt::{ExceptionFrame, exception};
 mod app {
     use core::mem::MaybeUninit;
     use fivebar_firmware::board::instructions::InstructionCounter;
-    use fivebar_firmware::board::shared_controller::{Exchanged, Place, place};
+    use fivebar_firmware::board::shared_controller::{Exchanged, Place};
     use fivebar_firmware::board::{clocks, serial, stack};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
@@ -107,13 +107,13 @@ mod app {
         let planner = cx.local.place_of_planner;
         planner.reset(&settings);
         let [controller, spare] = cx.local.controllers;
-        let controller = place(controller, &settings);
+        let controller = Controller::place(controller, &settings);
         let local = Local {
             receiver,
             arrived,
             commands,
             sender,
-            spare: place(spare, &settings),
+            spare: Controller::place(spare, &settings),
             planner,
             session: session::place(cx.local.place_of_session, identity, &settings, false),
             lockstep: Lockstep {

@@ -39,7 +39,7 @@ mod app {
     use fivebar_firmware::board::self_test::Started;
     use fivebar_firmware::board::sensors::Sensors;
     use fivebar_firmware::board::services::{self, BoardServices};
-    use fivebar_firmware::board::shared_controller::{Exchanged, Place, place};
+    use fivebar_firmware::board::shared_controller::{Exchanged, Place};
     use fivebar_firmware::board::watchdog::Tasks;
     use fivebar_firmware::board::{brown_out, post_mortem, pwm, serial, tool};
     use fivebar_firmware::planner::Planner;
@@ -150,7 +150,7 @@ mod app {
         let planner = cx.local.place_of_planner;
         planner.reset(settings);
         let [controller, spare] = cx.local.controllers;
-        let controller = place(controller, settings);
+        let controller = Controller::place(controller, settings);
         if let Some(fault) = fault_at_start(crystal_runs, reset, missing) {
             controller.latch_fault(fault);
         }
@@ -162,7 +162,7 @@ mod app {
             arrived,
             commands,
             sender,
-            spare: place(spare, settings),
+            spare: Controller::place(spare, settings),
             planner,
             session: session::place(
                 cx.local.place_of_session,

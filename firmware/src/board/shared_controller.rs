@@ -10,12 +10,6 @@ use rtic_core::Mutex;
 /// Room for a controller that lasts as long as the program.
 pub type Place = MaybeUninit<Controller>;
 
-/// Makes a controller in its place. A call of its own: so the caller's stack holds no copy.
-#[inline(never)]
-pub fn place(place: &'static mut Place, settings: &CheckedSettings) -> &'static mut Controller {
-    place.write(Controller::new(settings))
-}
-
 /// The controller in use, behind its lock, and a spare one. New settings are put to use by an exchange of
 /// both: the tick does not wait while a controller is made or copied.
 pub struct Exchanged<'a, Lock> {

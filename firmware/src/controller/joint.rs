@@ -84,7 +84,7 @@ impl Joint {
 
     /// The counted angle [rad]. Counts wrap; their wrapping difference from the origin is right.
     #[inline(always)]
-    fn counted(&self, model: &AxisModel) -> f32 {
+    pub(crate) fn counted(&self, model: &AxisModel) -> f32 {
         self.angle_at_origin + model.radians_per_count * self.turned() as f32
     }
 

@@ -1,6 +1,7 @@
 //! The controller: the tick, from a sensor sample to an actuator command, and the requests that
 //! tasks below the tick make.
 
+mod belts;
 mod crossing;
 mod encoder;
 mod excitation;
@@ -30,6 +31,8 @@ pub use crate::drives::{
 };
 use crate::safety::{Fault, Limits, State};
 use crate::settings::{CheckedSettings, Settings};
+use core::mem::MaybeUninit;
+use core::ptr;
 use crossing::Crossing;
 pub(crate) use crossing::{
     CrossingSample, CrossingTimes, OUTSIDE as OUTSIDE_OF_ZONE, PIECES as CROSSING_PIECES, ZONE,
@@ -38,6 +41,7 @@ pub(crate) use crossing::{
 use encoder::Encoder;
 pub use excitation::ExcitationEnd;
 use excitation::ExcitationState;
+use fivebar_kinematics::control::BeltState;
 use fivebar_kinematics::five_bar::WorkingMode;
 use holding_brake::HoldingBrake;
 use homing_state::HomingState;
@@ -71,6 +75,8 @@ pub struct ArmController<D: Drives> {
     drives: D,
     setpoint: Setpoint,
     past: Past,
+    /// The deviations of joints behind belts.
+    belts: [BeltState<f32>; 2],
     /// Position errors [rad] as last computed.
     error: [f32; 2],
     ticks: u32,
@@ -115,8 +121,8 @@ pub struct ArmController<D: Drives> {
     crossing: Crossing,
 }
 
-/// Writes the values of a new controller twice: as a controller, and each in its place in an old one. So
-/// neither takes the stack of another controller, and neither can forget a field.
+/// Writes the values of a new controller twice: as a controller, and each in its place in RAM. So the stack holds no
+/// controller, and neither can forget a field.
 macro_rules! fresh_controller {
     ($checked:ident; $($field:ident: $value:expr,)*) => {
         impl<D: Drives> ArmController<D> {
@@ -125,15 +131,44 @@ macro_rules! fresh_controller {
                 Self { $($field: $value,)* }
             }
 
-            /// Becomes what [`ArmController::new`] makes, in place.
+            /// Makes what [`ArmController::new`] makes, in its place.
             // A call of its own: what checks the settings before does not take its stack.
             #[inline(never)]
+            #[allow(unsafe_code)]
+            pub fn place<'a>(place: &'a mut MaybeUninit<Self>, $checked: &CheckedSettings) -> &'a mut Self {
+                let to = place.as_mut_ptr();
+                // SAFETY: `to` is where a controller may be written, and `new` shows that these are all its fields.
+                unsafe {
+                    $(put(room(&raw mut (*to).$field), || $value);)*
+                    place.assume_init_mut()
+                }
+            }
+
+            /// Becomes what [`ArmController::new`] makes, in place.
+            #[allow(unsafe_code)]
             pub fn reset(&mut self, $checked: &CheckedSettings) {
-                let Self { $($field,)* } = self;
-                $(*$field = $value;)*
+                // SAFETY: all its fields are written, and none needs to be dropped.
+                let place = unsafe { &mut *ptr::from_mut(self).cast::<MaybeUninit<Self>>() };
+                Self::place(place, $checked);
             }
         }
     };
+}
+
+/// The room of a value.
+///
+/// # Safety
+/// It is a place in RAM which no one else uses.
+#[allow(unsafe_code)]
+unsafe fn room<'a, T>(place: *mut T) -> &'a mut MaybeUninit<T> {
+    // SAFETY: asked for above; it may hold anything.
+    unsafe { &mut *place.cast() }
+}
+
+/// Puts what `make` makes in its place. A call of its own: no two fields take stack at the same time.
+#[inline(never)]
+fn put<T>(place: &mut MaybeUninit<T>, make: impl FnOnce() -> T) {
+    place.write(make());
 }
 
 fresh_controller! { checked;
@@ -141,6 +176,7 @@ fresh_controller! { checked;
     drives: D::new(checked),
     setpoint: Setpoint::hold([Vector2::zeros(); 2]),
     past: Past::none(),
+    belts: belts::STILL,
     error: [0.0; 2],
     ticks: 0,
     heard_at: 0,

@@ -4,11 +4,11 @@ use super::homing_state::HomingConfig;
 use super::past::Age;
 use crate::drives::{Drives, Stage};
 use crate::safety::Monitor;
-use crate::settings::{AxisSettings, CheckedSettings, ControlSettings};
+use crate::settings::{AxisSettings, BeltSettings, CheckedSettings, ControlSettings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::{
-    FrictionCompensation, PositionLoop, TorqueLimit, VelocityObserver,
+    BeltLaw, FrictionCompensation, PositionLoop, TorqueLimit, VelocityObserver,
 };
 use fivebar_kinematics::dynamics::BaseParameterModel;
 use fivebar_kinematics::five_bar::{Side, Tool};
@@ -27,6 +27,12 @@ pub(crate) struct Model {
     pub(crate) tool: Tool<f32>,
     pub(crate) assembly: Side,
     pub(crate) computed_torque: bool,
+    /// Whether the joints are behind belts, and the loops know it.
+    pub(crate) on_belts: bool,
+    /// Jr at each joint [kg·m²].
+    pub(crate) rotor_inertia: [f32; 2],
+    /// The encoders' latency of joints behind belts [ticks].
+    pub(crate) late_ticks: usize,
     /// Each joint's inertia [kg·m²] for the loops that assume a constant one.
     pub(crate) nominal_inertia: [f32; 2],
     /// T [s].
@@ -75,6 +81,8 @@ pub(crate) struct AxisModel {
     servos: [Servo; SHARES.len()],
     /// The servo of an arm that crosses a singularity.
     crossing: Servo,
+    /// The law of each stage of a joint behind a belt.
+    belts: [BeltLaw<f32>; SHARES.len()],
     /// The stage whose servo is in use.
     pub(crate) stage: Stage,
     /// Greatest error of a joint that comes to rest or rests [rad].
@@ -98,12 +106,15 @@ impl Model {
             tool: *settings.tool(),
             assembly: settings.assembly(),
             axes: [
-                AxisModel::new::<D>(axis1, settings),
-                AxisModel::new::<D>(axis4, settings),
+                AxisModel::new::<D>(axis1, &settings.belts[0], settings),
+                AxisModel::new::<D>(axis4, &settings.belts[1], settings),
             ],
             torque_limit: TorqueLimit(settings.peak_torque()),
             nominal_inertia: settings.nominal_inertia(),
             computed_torque: control.computed_torque,
+            on_belts: control.computed_torque && settings.is_on_belts(),
+            rotor_inertia: settings.arm().rotor_inertia(),
+            late_ticks: late_ticks(settings),
             period,
             rest_ticks,
             per_rest_tick: 1.0 / rest_ticks as f32,
@@ -122,6 +133,13 @@ impl Model {
 /// command acts from the next tick on.
 pub(crate) fn wake_up_ticks<D: Drives>(settings: &CheckedSettings) -> u32 {
     (D::WAKE_UP_TIME * settings.control.tick_rate) as u32 + 1
+}
+
+/// The longer latency of both encoders, in whole ticks.
+fn late_ticks(settings: &CheckedSettings) -> usize {
+    let [axis1, axis4] = &settings.axes;
+    let late = axis1.encoder_latency.max(axis4.encoder_latency);
+    (late * settings.control.tick_rate + 0.5) as usize
 }
 
 impl Servo {
@@ -159,6 +177,17 @@ impl AxisModel {
         self.stage = stage;
     }
 
+    /// The law of a joint behind a belt in this stage.
+    #[inline(always)]
+    pub(crate) fn belt(&self) -> &BeltLaw<f32> {
+        let [moving, settling, resting] = &self.belts;
+        match self.stage {
+            Stage::Moves | Stage::Crosses => moving,
+            Stage::Settles => settling,
+            Stage::Rests => resting,
+        }
+    }
+
     /// Gives the joint the servo of an arm that crosses a singularity.
     pub(crate) fn cross(&mut self) {
         self.servo = self.crossing;
@@ -166,7 +195,11 @@ impl AxisModel {
     }
 
     #[inline(always)]
-    fn new<D: Drives>(axis: &AxisSettings, settings: &CheckedSettings) -> Self {
+    fn new<D: Drives>(
+        axis: &AxisSettings,
+        belt: &BeltSettings,
+        settings: &CheckedSettings,
+    ) -> Self {
         let control = &settings.control;
         let counts_per_turn = axis.encoder_counts as f32 * axis.gear_ratio;
         let radians_per_count = TAU / counts_per_turn;
@@ -176,11 +209,21 @@ impl AxisModel {
             let lag = D::lag(control, stage) + axis.encoder_latency;
             Servo::new(control, [share, share], lag)
         };
+        let belt = |share: f32, stage: Stage| {
+            let lag = D::lag(control, stage);
+            let lags = [lag, lag + axis.encoder_latency];
+            belt.law(axis, share, lags, 1.0 / control.tick_rate)
+        };
         let [moving, settling, resting] = SHARES;
         let servos = [
             servo(moving, Stage::Moves),
             servo(settling, Stage::Settles),
             servo(resting, Stage::Rests),
+        ];
+        let belts = [
+            belt(moving, Stage::Moves),
+            belt(settling, Stage::Settles),
+            belt(resting, Stage::Rests),
         ];
         Self {
             servo: servos[0],
@@ -193,6 +236,7 @@ impl AxisModel {
                     D::lag(control, Stage::Crosses) + axis.encoder_latency + CROSSING_LAG,
                 )
             },
+            belts,
             stage: Stage::Moves,
             rest_error: REST_COUNTS * Scalar::abs(radians_per_count),
             friction: FrictionCompensation::new(

@@ -18,10 +18,28 @@ const KEPT: usize = 32;
 #[derive(Clone)]
 pub(super) struct Past {
     ring: [Setpoint; KEPT],
+    /// Of joints behind belts, at each of them.
+    belted: [Belted; KEPT],
     /// Where the newest one is.
     newest: usize,
     /// So many, with it, belong to the same motion.
     kept: usize,
+}
+
+/// What is kept of joints behind belts.
+#[derive(Clone, Copy)]
+pub(super) struct Belted {
+    /// What each encoder leads its joint by, at the set-point [rad].
+    pub(super) lead: [f32; 2],
+    /// What was demanded beyond the torque that is fed forward [N·m].
+    pub(super) demand: [f32; 2],
+}
+
+impl Belted {
+    const NONE: Self = Self {
+        lead: [0.0; 2],
+        demand: [0.0; 2],
+    };
 }
 
 /// The motion of one joint between the moment of this sample and that of the set-point.
@@ -59,11 +77,18 @@ impl Age {
     }
 }
 
+/// A small angle from its sine.
+#[inline(always)]
+pub(super) fn small_angle(sine: f32) -> f32 {
+    sine + sine * sine * sine * (1.0 / 6.0)
+}
+
 impl Past {
     /// None yet.
     pub(super) fn none() -> Self {
         Self {
             ring: [Setpoint::hold([Vector2::zeros(); 2]); KEPT],
+            belted: [Belted::NONE; KEPT],
             newest: 0,
             kept: 0,
         }
@@ -85,6 +110,43 @@ impl Past {
         if let Some(kept) = self.ring.get_mut(self.newest) {
             *kept = *setpoint;
         }
+    }
+
+    /// Whether the newest set-point is the first one of a motion.
+    #[inline(always)]
+    pub(super) fn begins(&self) -> bool {
+        self.kept == 1
+    }
+
+    /// Keeps this with the newest set-point.
+    #[inline(always)]
+    pub(super) fn keep_belted(&mut self, belted: Belted) {
+        if let Some(newest) = self.belted.get_mut(self.newest) {
+            *newest = belted;
+        }
+    }
+
+    /// The lead of a joint's encoder so long ago [rad], to the tick, before this tick's is kept.
+    #[inline(always)]
+    pub(super) fn lead(&self, joint: Joint, age: &Age) -> f32 {
+        let leads = self.belted(age.ticks.max(1)).lead;
+        leads.get(joint.index()).copied().unwrap_or(0.0)
+    }
+
+    /// The demand of so many ticks before that of the last one [N·m].
+    #[inline(always)]
+    pub(super) fn demand(&self, ticks: usize) -> [f32; 2] {
+        self.belted(ticks + 1).demand
+    }
+
+    /// What was kept so many ticks before the newest set-point; nothing before this motion.
+    #[inline(always)]
+    fn belted(&self, ticks: usize) -> Belted {
+        if ticks >= self.kept {
+            return Belted::NONE;
+        }
+        let kept = self.belted.get((self.newest + KEPT - ticks) % KEPT);
+        kept.copied().unwrap_or(Belted::NONE)
     }
 
     /// α of a joint so long ago [rad/s²], before this tick's set-point is kept.
@@ -117,9 +179,7 @@ impl Past {
                 omega: 0.0,
             };
         };
-        // asin of the sine of a small angle.
-        let sine = direction.cross_z(*now);
-        let turned = sine + sine * sine * sine * (1.0 / 6.0);
+        let turned = small_angle(direction.cross_z(*now));
         let rest = age.rest;
         Between {
             angle: turned + rest * (omega - 0.5 * rest * alpha),

@@ -18,6 +18,13 @@ impl<D: Drives> ArmController<D> {
         // Where the joints should be, and where they will be, when the torque acts.
         let limits = self.advance()?;
         self.past.keep(&self.setpoint);
+        if self.model.on_belts {
+            let (torque, limited) = self.torques_on_belts()?;
+            return Ok(TorqueCommand {
+                torque,
+                limits: limits.with(Limits::TORQUE, limited),
+            });
+        }
         let Setpoint {
             omega: [omega1d, omega4d],
             alpha: [alpha1d, alpha4d],
@@ -71,7 +78,7 @@ impl<D: Drives> ArmController<D> {
 
     /// The measured arm, if the angles belong to an arm inside its envelope.
     #[inline(always)]
-    fn measured(&self, [u1, u4]: [Vector2<f32>; 2]) -> Result<Links<f32>, Fault> {
+    pub(super) fn measured(&self, [u1, u4]: [Vector2<f32>; 2]) -> Result<Links<f32>, Fault> {
         let monitor = &self.model.monitor;
         let geometry = self.model.tool.geometry();
         let links = geometry

@@ -1,8 +1,9 @@
 //! The settings in sections, each small enough for a frame.
 
 use crate::settings::{
-    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, ENCODER_POINTS, HomeReference,
-    HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
+    AdvancedSettings, AxisSettings, BeltSettings, BrakeSettings, ControlSettings, ENCODER_POINTS,
+    HomeReference, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings,
+    ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +51,8 @@ pub enum SectionKey {
     Brake,
     /// Numbers that fit most arms.
     Advanced,
+    /// What stretches before a joint: 0 is joint 1, 1 is joint 4.
+    Belt(u8),
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -94,11 +97,13 @@ pub enum Section {
     Brake(BrakeSettings),
     /// [`Settings::advanced`].
     Advanced(AdvancedSettings),
+    /// One of [`Settings::belts`].
+    Belt(u8, BeltSettings),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 31] = [
+    pub const ALL: [Self; 33] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -130,6 +135,8 @@ impl SectionKey {
         Self::Crossing,
         Self::Brake,
         Self::Advanced,
+        Self::Belt(0),
+        Self::Belt(1),
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -161,6 +168,7 @@ impl SectionKey {
             Self::Crossing => Section::Crossing(settings.crossing_allowed),
             Self::Brake => Section::Brake(settings.brake),
             Self::Advanced => Section::Advanced(settings.advanced),
+            Self::Belt(index) => Section::Belt(index, *settings.belts.get(usize::from(index))?),
         })
     }
 }
@@ -198,6 +206,7 @@ impl Section {
             Self::Crossing(value) => settings.crossing_allowed = value,
             Self::Brake(value) => settings.brake = value,
             Self::Advanced(value) => settings.advanced = value,
+            Self::Belt(index, value) => *settings.belts.get_mut(usize::from(index))? = value,
         }
         Some(())
     }

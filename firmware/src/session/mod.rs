@@ -321,15 +321,14 @@ impl Session {
         planner: &mut Planner,
         board: &mut impl Board,
     ) -> Result<Reply, CommandError> {
-        if let Some(limits) = board.limits() {
-            let checked = limits.check(&self.draft);
-            checked.map_err(|_| CommandError::Settings)?;
-        }
-        let settings = self.draft.check().map_err(|_| CommandError::Settings)?;
-        controller.renew(&settings).map_err(state_error)?;
-        board.use_settings(&settings);
-        planner.reset(&settings);
-        self.in_use = settings;
+        // By reference: copies of settings would take stack.
+        let (true, Ok(settings)) = (fits(board, &self.draft), &self.draft.check()) else {
+            return Err(CommandError::Settings);
+        };
+        controller.renew(settings).map_err(state_error)?;
+        board.use_settings(settings);
+        planner.reset(settings);
+        self.in_use.clone_from(settings);
         self.has_settings = true;
         self.sampler.restart_ticks();
         Ok(Reply::Done)
@@ -353,6 +352,13 @@ impl Session {
             .map(|()| Reply::Done)
             .map_err(CommandError::Storage)
     }
+}
+
+/// Whether the board takes these settings.
+#[inline(never)]
+fn fits(board: &impl Board, settings: &Settings) -> bool {
+    let limits = board.limits();
+    limits.is_none_or(|limits| limits.check(settings).is_ok())
 }
 
 fn state_error(state: State) -> CommandError {

@@ -3,8 +3,9 @@
 //! instruction counts are measured with them.
 
 use super::{
-    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomeReference,
-    HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings, ToolOutputSettings,
+    AdvancedSettings, AxisSettings, BeltSettings, BrakeSettings, ControlSettings, EncoderTable,
+    HomeReference, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings,
+    ToolOutputSettings,
 };
 
 const CRANK: LinkSettings = LinkSettings {
@@ -101,5 +102,6 @@ impl Settings {
         crossing_allowed: false,
         brake: BrakeSettings::NONE,
         advanced: AdvancedSettings::DEFAULT,
+        belts: [BeltSettings::RIGID; 2],
     };
 }

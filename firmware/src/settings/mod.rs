@@ -3,6 +3,7 @@
 //! the controller takes.
 
 mod arm;
+mod belt;
 mod benchtop;
 mod board;
 mod check;
@@ -16,6 +17,7 @@ mod tool_output;
 
 use serde::{Deserialize, Serialize};
 
+pub use belt::{BeltSettings, MOST_LATE_TICKS};
 pub use board::BoardLimits;
 pub use checked::CheckedSettings;
 pub use encoder_table::{ENCODER_POINTS, ENCODER_UNIT, EncoderTable};
@@ -197,4 +199,7 @@ pub struct Settings {
     /// Numbers that fit most arms.
     #[serde(default)]
     pub advanced: AdvancedSettings,
+    /// What stretches between the motors and their joints.
+    #[serde(default)]
+    pub belts: [BeltSettings; 2],
 }

@@ -342,6 +342,12 @@ fields! {
         "Frequency of a power's PWM" ["Hz"];
         each all.tool_output.frequency() => 10 to 100_000
     }
+    Belts {
+        "" as "belts",
+        "What stretches between the motors and their joints" [""];
+        0.0 => if all.belts_are_sound(),
+            "must have positive stiffness, bandwidth and damping ratio at both joints or none, rotors with inertia, and encoders at most 7 ticks late"
+    }
     DisarmTimeout {
         "advanced.disarm_timeout" as "advanced.disarm_timeout",
         "Silence of the host after which an arm that is powered, at rest or held, is switched off"
@@ -402,6 +408,43 @@ const OTHERS: &[Row] = &[
         "",
         "error of the shaft, in 1/32768 rad",
         "The encoder's known error",
+    ),
+    Row::explained(
+        "belts.stiffness",
+        "N·m/rad",
+        "at the joint; 0: rigid",
+        "Stiffness of the belt",
+    ),
+    Row::explained(
+        "belts.damping",
+        "N·m·s/rad",
+        "at the joint",
+        "Damping of the belt",
+    ),
+    Row::explained(
+        "belts.encoder_at_joint",
+        "",
+        "",
+        "Whether the encoder is at the joint",
+    ),
+    Row::explained(
+        "belts.bandwidth",
+        "rad/s",
+        "",
+        "Bandwidth of the feedback from the links",
+    ),
+    Row::explained("belts.damping_ratio", "", "", "Its damping ratio"),
+    Row::explained(
+        "belts.rotor_damping",
+        "N·m·s/rad",
+        "at the joint",
+        "Torque against the rotor's velocity",
+    ),
+    Row::explained(
+        "belts.observer",
+        "",
+        "1, 1/s, 1, N·m·s/rad, N·m/rad",
+        "Gains of the observer of both sides",
     ),
     Row::explained(
         "tool_output.up_width",

@@ -10,7 +10,7 @@
 mod blocking;
 
 use crate::Settings;
-use crate::settings::AdvancedSettings;
+use crate::settings::{AdvancedSettings, BeltSettings};
 use blocking::{Blocking, finish};
 use core::ops::Range;
 use embedded_storage::nor_flash::NorFlash;
@@ -19,26 +19,30 @@ use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, PostcardValue};
 use serde::{Deserialize, Serialize};
 
-/// The layout of settings without [`AdvancedSettings`].
+/// The layout of settings without [`AdvancedSettings`] and without belts.
 const FIRST_LAYOUT: u8 = 7;
+/// The first layout that ends with the belts.
+const BELTS_LAYOUT: u8 = 9;
 
 /// Layout of the stored settings, and the key under which they are stored. Each number of
-/// [`AdvancedSettings`] makes a new layout, which begins with the one before. So settings of an older
-/// firmware are read, with the defaults of the numbers that they lack. Every other change of
+/// [`AdvancedSettings`] makes a new layout, and the belts made one. So settings of an older
+/// firmware are read, with the defaults of what they lack. Every other change of
 /// [`Settings`] needs another `FIRST_LAYOUT`, so that firmware never reads the bytes of a layout
 /// that it does not know.
-pub const LAYOUT: u8 = FIRST_LAYOUT + AdvancedSettings::COUNT as u8;
+pub const LAYOUT: u8 = FIRST_LAYOUT + AdvancedSettings::COUNT as u8 + 1;
 
 /// Bytes of each of these numbers.
 const NUMBER: usize = size_of::<f32>();
+/// Bytes of the belts: of each, ten numbers and the encoder's side.
+const BELTS: usize = 2 * (10 * NUMBER + 1);
 
 /// Room for an item, its key and its padding [bytes].
 const BUFFER: usize = 1024;
 
-/// A half is erased after so many items, before they fill a sector of 128 KiB. From a full sector
+/// A half is erased after so many items, before they fill a sector of 128 KiB: none is longer than its buffer. From a full sector
 /// the library moves what is newest to the next one, and searches the whole sector for every item
 /// that it meets: 12 s on the microcontroller, longer than its watchdog waits.
-const ITEMS_PER_HALF: u32 = 200;
+const ITEMS_PER_HALF: u32 = 120;
 
 /// Why there are no settings, or why they could not be stored. In all cases the arm must not be
 /// armed on default settings.
@@ -77,15 +81,28 @@ impl Buffer {
         Some(number)
     }
 
-    /// The item at this place, with the defaults of so many numbers that it lacks at its end.
-    fn item(&mut self, place: Range<usize>, lacking: u8) -> Option<Item> {
+    /// The item of this layout at this place, with the defaults of what it lacks: of the numbers between it
+    /// and its belts, and of the belts.
+    fn item(&mut self, place: Range<usize>, layout: u8) -> Option<Item> {
         let Self(bytes) = self;
-        let mut defaults = [0; NUMBER * AdvancedSettings::COUNT];
-        postcard::to_slice(&AdvancedSettings::DEFAULT, &mut defaults).ok()?;
-        let held = defaults.len().checked_sub(NUMBER * usize::from(lacking))?;
-        let lacking = defaults.get(held..)?;
-        let behind = bytes.get_mut(place.end..place.end + lacking.len())?;
+        let mut defaults = [0; NUMBER * AdvancedSettings::COUNT + BELTS];
+        let (numbers, belts) = defaults.split_at_mut(NUMBER * AdvancedSettings::COUNT);
+        postcard::to_slice(&AdvancedSettings::DEFAULT, numbers).ok()?;
+        postcard::to_slice(&[BeltSettings::RIGID; 2], belts).ok()?;
+        let has_belts = layout >= BELTS_LAYOUT;
+        let held = usize::from(layout.checked_sub(FIRST_LAYOUT + u8::from(has_belts))?);
+        let lacking = numbers.get(NUMBER * held..)?;
+        let end = if has_belts {
+            let end = place.end.checked_sub(BELTS)?;
+            belts.copy_from_slice(bytes.get(end..place.end)?);
+            end
+        } else {
+            place.end
+        };
+        let behind = bytes.get_mut(end..end + lacking.len() + BELTS)?;
+        let (behind, last) = behind.split_at_mut(lacking.len());
         behind.copy_from_slice(lacking);
+        last.copy_from_slice(belts);
         postcard::from_bytes(bytes.get(place.start..)?).ok()
     }
 }
@@ -147,7 +164,7 @@ impl<F: NorFlash> SettingsStorage<F> {
                 finish(log(&mut self.flash, &half)?.erase_all())?;
                 self.append(&half, &item)?;
             }
-            if self.newest()? == Some((item, half)) {
+            if self.is_newest(&item, &half)? {
                 return Ok(());
             }
         }
@@ -182,7 +199,7 @@ impl<F: NorFlash> SettingsStorage<F> {
 
     /// The half that does not hold the newest settings.
     fn older(&mut self) -> Result<Range<u32>, StorageError> {
-        let newest = self.newest()?;
+        let newest = self.newest_number()?;
         Ok(self.half_beside(newest.map(|(_, half)| half)))
     }
 
@@ -197,8 +214,8 @@ impl<F: NorFlash> SettingsStorage<F> {
 
     /// The item to store next, and the half that does not hold the newest.
     fn next(&mut self, settings: &Settings) -> Result<(Item, Range<u32>), StorageError> {
-        let (number, newest) = match self.newest()? {
-            Some((newest, half)) => (newest.number.wrapping_add(1), Some(half)),
+        let (number, newest) = match self.newest_number()? {
+            Some((number, half)) => (number.wrapping_add(1), Some(half)),
             None => (0, None),
         };
         let half = self.half_beside(newest);
@@ -218,15 +235,25 @@ impl<F: NorFlash> SettingsStorage<F> {
         }
     }
 
-    /// The item saved last, and its half. What an older firmware has saved counts until this one has
-    /// saved its first.
-    fn newest(&mut self) -> Result<Option<(Item, Range<u32>)>, StorageError> {
+    /// The number of the item saved last, and its half.
+    // Calls of their own, here and below: only one of them holds an item on the stack.
+    #[inline(never)]
+    fn newest_number(&mut self) -> Result<Option<(u32, Range<u32>)>, StorageError> {
         let mut newest = None;
         self.search(&mut newest)?;
-        Ok(newest)
+        Ok(newest.map(|(item, half)| (item.number, half)))
     }
 
-    /// Puts what [`Self::newest`] returns into `newest`.
+    /// Whether this item was saved last, in this half.
+    #[inline(never)]
+    fn is_newest(&mut self, item: &Item, half: &Range<u32>) -> Result<bool, StorageError> {
+        let mut newest = None;
+        self.search(&mut newest)?;
+        Ok(newest.is_some_and(|(newest, there)| newest == *item && there == *half))
+    }
+
+    /// Puts the item saved last, and its half, into `newest`. What an older firmware has saved counts
+    /// until this one has saved its first.
     fn search(&mut self, newest: &mut Option<(Item, Range<u32>)>) -> Result<(), StorageError> {
         for layout in (FIRST_LAYOUT..=LAYOUT).rev() {
             self.find_newest(layout, newest)?;
@@ -264,13 +291,15 @@ impl<F: NorFlash> SettingsStorage<F> {
             let is_newer = newest
                 .as_ref()
                 .is_none_or(|(other, _)| number.wrapping_sub(other.number).cast_signed() > 0);
-            if is_newer && let Some(item) = buffer.item(place, LAYOUT - layout) {
+            if is_newer && let Some(item) = buffer.item(place, layout) {
                 *newest = Some((item, half.clone()));
             }
         }
         Ok(())
     }
 
+    // A call of its own: its bytes are not on the stack beside an item.
+    #[inline(never)]
     fn is_blank(&mut self) -> Result<bool, StorageError> {
         let [first, second] = &self.halves;
         for address in (first.start..second.end).step_by(BUFFER) {

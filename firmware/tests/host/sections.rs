@@ -4,8 +4,9 @@ use crate::messages::{number, pair};
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Section, SectionKey};
 use fivebar_firmware::settings::{
-    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, HomeReference, HomingMethod,
-    HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, ToolOutputSettings,
+    AdvancedSettings, AxisSettings, BeltSettings, BrakeSettings, ControlSettings, HomeReference,
+    HomingMethod, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    ToolOutputSettings,
 };
 use proptest::prelude::*;
 
@@ -116,6 +117,33 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
             }
             Section::Advanced(advanced)
         }),
+        (any::<u8>(), prop::array::uniform10(number()), any::<bool>()).prop_map(
+            |(
+                index,
+                [
+                    stiffness,
+                    damping,
+                    bandwidth,
+                    damping_ratio,
+                    rotor_damping,
+                    observer @ ..,
+                ],
+                encoder_at_joint,
+            )| {
+                Section::Belt(
+                    index,
+                    BeltSettings {
+                        stiffness,
+                        damping,
+                        encoder_at_joint,
+                        bandwidth,
+                        damping_ratio,
+                        rotor_damping,
+                        observer,
+                    },
+                )
+            },
+        ),
         pair().prop_map(|[engage_time, release_time]| {
             Section::Brake(BrakeSettings {
                 engage_time,

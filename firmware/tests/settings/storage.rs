@@ -2,7 +2,7 @@
 
 use crate::nor::{self, Cut, Nor, SECTOR};
 use fivebar_firmware::Settings;
-use fivebar_firmware::settings::AdvancedSettings;
+use fivebar_firmware::settings::{AdvancedSettings, BeltSettings};
 use fivebar_firmware::storage::{LAYOUT, SettingsStorage, StorageError};
 use fivebar_testkit::Tally;
 use proptest::prelude::*;
@@ -14,6 +14,7 @@ fn settings(number: u16) -> Settings {
     settings.lengths = [value; 5];
     settings.axes[0].resistance = -value;
     settings.protection.command_timeout = value + 0.5;
+    settings.belts[1].observer[4] = value + 0.125;
     settings
 }
 
@@ -131,17 +132,17 @@ fn blank_flash_and_flash_full_of_zeros_hold_no_settings() {
 
 /// The two sectors of a half at once; the log by itself erases one at a time.
 #[test]
-fn a_half_is_erased_as_a_whole_at_its_two_hundredth_save_and_at_no_other() {
+fn a_half_is_erased_as_a_whole_at_its_120th_save_and_at_no_other() {
     let mut flash = Nor::blank();
     let mut erased_whole = Vec::new();
-    for number in 0..810 {
+    for number in 0..490 {
         let before = flash.erased;
         save(&mut flash, number).expect("power is on");
         if flash.erased - before == nor::SECTORS / 2 {
             erased_whole.push(number);
         }
     }
-    assert_eq!(erased_whole, [398, 399, 798, 799]);
+    assert_eq!(erased_whole, [238, 239, 478, 479]);
 }
 
 /// Names, order and nesting of all fields, and the number that is stored with them. Whoever changes
@@ -150,50 +151,56 @@ fn a_half_is_erased_as_a_whole_at_its_two_hundredth_save_and_at_no_other() {
 fn a_change_of_the_settings_gives_their_layout_a_new_number() {
     let fields = format!("{:?}", settings(0));
     let digest = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(fields.as_bytes());
-    assert_eq!((LAYOUT, digest), (8, 0xa92d_bbbf), "{fields}");
+    assert_eq!((LAYOUT, digest), (9, 0x8c30_b6ca), "{fields}");
 }
 
-/// Bytes at the beginning of each half in `layout_7.bin`.
-const SHOWN: usize = 2048;
-
-/// The flash after five saves by the firmware that had layout 7.
-fn layout_7() -> Nor {
-    let [first, second] = *include_bytes!("../data/layout_7.bin")
-        .as_chunks::<SHOWN>()
-        .0
-    else {
-        panic!("two halves");
-    };
+/// The flash after five saves by older firmware, of which `shown` bytes at the beginning of each half were written.
+fn flash_of(shown: &[u8]) -> Nor {
     let mut flash = Nor::blank();
-    flash.bytes[..SHOWN].copy_from_slice(&first);
+    let (first, second) = shown.split_at(shown.len() / 2);
+    flash.bytes[..first.len()].copy_from_slice(first);
     let middle = nor::SECTORS * SECTOR / 2;
-    flash.bytes[middle..middle + SHOWN].copy_from_slice(&second);
+    flash.bytes[middle..middle + second.len()].copy_from_slice(second);
     flash
 }
 
+/// What older firmware saved, and what its settings of this number are now: in layout 7 without `advanced`, in
+/// layout 8 with it. Both without belts.
+type Older = (&'static [u8], fn(u16) -> Settings);
+
+const OLDER: [Older; 2] = [
+    (include_bytes!("../data/layout_7.bin"), |number| Settings {
+        advanced: AdvancedSettings::DEFAULT,
+        belts: [BeltSettings::RIGID; 2],
+        ..settings(number)
+    }),
+    (include_bytes!("../data/layout_8.bin"), |number| Settings {
+        belts: [BeltSettings::RIGID; 2],
+        ..settings(number)
+    }),
+];
+
 #[test]
 fn settings_of_older_firmware_are_read_with_the_defaults_of_what_they_lack() {
-    let mut flash = layout_7();
-    let upgraded = |number| Settings {
-        advanced: AdvancedSettings::DEFAULT,
-        ..settings(number)
-    };
-    assert_eq!(load(&mut flash), Ok(upgraded(5)));
+    for (shown, upgraded) in OLDER {
+        let mut flash = flash_of(shown);
+        assert_eq!(load(&mut flash), Ok(upgraded(5)));
 
-    // The first save after the update may lose power at any operation.
-    let mut saved = flash.clone();
-    saved.operations = 0;
-    save(&mut saved, 6).expect("power is on");
-    let operations = saved.operations;
-    assert_eq!(load(&mut saved), Ok(settings(6)));
-    for (at, cut) in (0..operations).flat_map(|at| CUTS.map(|cut| (at, cut))) {
-        let mut torn = cut_save(&flash, 6, at, cut);
-        torn.cut = None;
-        let found = load(&mut torn);
-        let old = found == Ok(upgraded(5));
-        assert!(old || found == Ok(settings(6)), "{at} {cut:?}: {found:?}");
-        save(&mut torn, 7).expect("the storage works again");
-        assert_eq!(load(&mut torn), Ok(settings(7)), "{at} {cut:?}");
+        // The first save after the update may lose power at any operation.
+        let mut saved = flash.clone();
+        saved.operations = 0;
+        save(&mut saved, 6).expect("power is on");
+        let operations = saved.operations;
+        assert_eq!(load(&mut saved), Ok(settings(6)));
+        for (at, cut) in (0..operations).flat_map(|at| CUTS.map(|cut| (at, cut))) {
+            let mut torn = cut_save(&flash, 6, at, cut);
+            torn.cut = None;
+            let found = load(&mut torn);
+            let old = found == Ok(upgraded(5));
+            assert!(old || found == Ok(settings(6)), "{at} {cut:?}: {found:?}");
+            save(&mut torn, 7).expect("the storage works again");
+            assert_eq!(load(&mut torn), Ok(settings(7)), "{at} {cut:?}");
+        }
     }
 }
 

@@ -22,13 +22,23 @@ fn the_benchtop_arm_is_accepted() {
 }
 
 #[test]
-fn a_stored_copy_fits_half_a_kilobyte() {
-    let mut buffer = [0; 512];
-    let stored = postcard::to_slice(&settings(), &mut buffer).unwrap();
-    assert_eq!(
-        postcard::from_bytes::<Settings>(stored).unwrap(),
-        settings()
-    );
+fn the_longest_stored_copy_fits_its_buffer() {
+    let mut longest = settings();
+    // Small numbers take fewer bytes.
+    for axis in &mut longest.axes {
+        axis.encoder_counts = u32::MAX;
+    }
+    for points in longest
+        .encoder_tables
+        .iter_mut()
+        .flat_map(|table| &mut table.points)
+    {
+        points.fill(i16::MIN);
+    }
+    // 1024 bytes, some of which its number and the log's headers take.
+    let mut buffer = [0; 960];
+    let stored = postcard::to_slice(&longest, &mut buffer).unwrap();
+    assert_eq!(postcard::from_bytes::<Settings>(stored).unwrap(), longest);
 }
 
 #[test]

@@ -159,6 +159,16 @@ impl<S: Scalar> BeltLaw<S> {
         }
     }
 
+    /// What the encoder's angle leads θ by where this torque [N·m] passes the belt [rad].
+    #[inline(always)]
+    pub fn lead(&self, torque: S) -> S {
+        if self.encoder_at_joint {
+            S::ZERO
+        } else {
+            self.per_stiffness * torque
+        }
+    }
+
     /// Corrects the state by the measured deviation of the encoder's angle [rad]; what is left is the impulse on
     /// the links that it gives [N·m·s].
     #[inline(always)]

@@ -93,6 +93,38 @@ impl<S: Scalar> BaseParameterModel<S> {
         }
     }
 
+    /// M11, M14, M44 [kg·m²] of the mass matrix in the driven angles, where the links are: what
+    /// [`Arm::mass_matrix`] gives.
+    ///
+    /// M11 = J1 + 2 c12 ω21 + J2 ω21² + J3 ω31², M44 = J4 + 2 c43 ω34 + J2 ω24² + J3 ω34²,
+    /// M14 = c12 ω24 + c43 ω31 + J2 ω21 ω24 + J3 ω31 ω34.
+    #[inline(always)]
+    pub fn mass(&self, links: &Links<S>) -> [S; 3] {
+        let Links {
+            ab: r1,
+            bc: r2,
+            dc: r3,
+            ed: r4,
+            cross,
+        } = *links;
+        let per_cross = S::ONE / cross;
+        let (cross21, cross34) = (r2.cross_z(r1), r3.cross_z(r4));
+        let omega21 = r3.cross_z(r1) * per_cross;
+        let omega24 = -cross34 * per_cross;
+        let omega31 = cross21 * per_cross;
+        let omega34 = r4.cross_z(r2) * per_cross;
+        let [[p2, q2], [p3, q3]] = self.first.map(Into::into);
+        let c12 = p2 * r1.dot(&r2) + q2 * cross21;
+        let c43 = p3 * r4.dot(&r3) + q3 * cross34;
+        let [j1, j2, j3, j4] = self.second;
+        let (k21, k31) = (c12 + j2 * omega21, c43 + j3 * omega34);
+        [
+            j1 + omega21 * (c12 + k21) + j3 * omega31 * omega31,
+            omega24 * k21 + omega31 * k31,
+            j4 + omega34 * (c43 + k31) + j2 * omega24 * omega24,
+        ]
+    }
+
     /// The driving torques [τ1, τ4] [N·m] that accelerate the driven joints by `alpha`
     /// [rad/s²] where the links are and at their velocities `omega` [rad/s]: what
     /// [`Arm::inverse_dynamics`] gives without an external force.

@@ -216,8 +216,11 @@ impl Simulate for Scenario {
     }
 
     fn controller(&self) -> Result<InProcess, RunError> {
-        let mut settings = self.robot.settings()?;
-        settings.control.computed_torque = self.control_law.is_computed_torque();
+        let settings = if self.control_law.is_computed_torque() {
+            self.robot.settings()?
+        } else {
+            self.robot.pid_settings()?
+        };
         InProcess::new(&settings).map_err(|e| settings_error(self, e))
     }
 

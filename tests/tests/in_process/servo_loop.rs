@@ -111,7 +111,7 @@ fn own_bandwidths_are_stable_on_belts_of_any_stiffness() {
         let rms = summary.tip_error.rms_m;
         assert!(rms < greatest, "{stiffness:?}: {rms} m");
         for (_, servo) in scenario.robot.servos().expect("masses") {
-            let margin = servo.margins(&scenario.robot.control.gains()).modulus;
+            let margin = servo.margins(&servo.law(&scenario.robot.gains())).modulus;
             assert!(margin >= 0.5, "{stiffness:?}: {margin}");
         }
     }
@@ -154,9 +154,9 @@ fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within()
             drive.encoder_counts = 1 << 19;
             drive.coulomb_friction = 0.0;
         }
-        let gains = robot.control.gains();
+        let gains = robot.gains();
         let servos = robot.servos().expect("masses");
-        let modulus = |servo: &Servo| servo.margins(&gains).modulus;
+        let modulus = |servo: &Servo| servo.margins(&servo.law(&gains)).modulus;
         let (worst, servo) = servos
             .iter()
             .min_by(|one, other| modulus(&one.1).total_cmp(&modulus(&other.1)))
@@ -168,7 +168,7 @@ fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within()
         robot.limits.angle = [[-6.2, 6.2]; 2];
         robot.limits.singularity_margin = 0.02;
         let home = robot.home_pose().expect("a home");
-        let margin = servo.margins_by_poles(&gains).gain_up;
+        let margin = servo.margins_by_poles(&servo.law(&gains)).gain_up;
         assert!((1.5..20.0).contains(&margin), "{margin}");
         // A slow line there, so that the arm does not rest.
         let torque = |share: f64| {

@@ -49,6 +49,25 @@ pub(crate) fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
             let [engage_time, release_time] = bytes.pair(0.0, 0.05);
             (brake.engage_time, brake.release_time) = (engage_time, release_time);
         }
+        Section::Belt(_, belt) => {
+            belt.encoder_at_joint ^= which & 7 == 0;
+            let [g1, g2, g3, g4, g5] = &mut belt.observer;
+            change(
+                bytes,
+                &mut [
+                    &mut belt.stiffness,
+                    &mut belt.damping,
+                    &mut belt.bandwidth,
+                    &mut belt.damping_ratio,
+                    &mut belt.rotor_damping,
+                    g1,
+                    g2,
+                    g3,
+                    g4,
+                    g5,
+                ],
+            );
+        }
         Section::Axis(_, axis) => {
             if which & 31 == 0 {
                 axis.encoder_counts = bytes.word();

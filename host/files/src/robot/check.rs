@@ -88,6 +88,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         tool_speeds,
         limits: file.limits,
         motion: file.motion,
+        rigid_control: sections.control,
         control: sections.control,
         supply: file.supply,
         protection: file.protection,
@@ -96,8 +97,14 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         contact: file.contact,
         crossing: file.crossing,
         advanced: file.advanced,
+        belts: None,
     };
-    robot.control = file.control.completed(&robot);
+    robot.rigid_control = file.control.completed(&robot);
+    robot.belts = file.control.belts(&robot);
+    robot.control = match robot.belts {
+        Some(_) => file.control.completed(&robot),
+        None => robot.rigid_control,
+    };
     consistent(&source, &robot, file.home.is_some())?;
     Ok(robot)
 }

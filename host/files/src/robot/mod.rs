@@ -1,6 +1,7 @@
 //! Robots: read from TOML and checked once; models and the controller's settings are made
 //! from them.
 
+mod belts;
 mod builtin;
 mod check;
 mod consistency;
@@ -39,6 +40,7 @@ use crate::did_you_mean;
 use crate::source::{FileError, Key, Source};
 use crate::text_file;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};
+use fivebar_design::servo::BeltTuning;
 use fivebar_firmware::settings::{AdvancedSettings, ToolOutputSettings};
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
@@ -85,6 +87,9 @@ pub struct Robot {
     pub motion: ToolLimits,
     /// The control loops.
     pub control: Control,
+    /// The control loops of an arm whose controller does not know its belts: those of the rival that reports
+    /// compare with.
+    pub rigid_control: Control,
     /// The bus.
     pub supply: Supply,
     /// The trip points.
@@ -99,6 +104,8 @@ pub struct Robot {
     pub crossing: Crossing,
     /// Numbers of the controller that fit most arms.
     pub advanced: AdvancedSettings,
+    /// The loops of joints behind belts; none if the drives are rigid, or if the loops of `control` turn them.
+    pub belts: Option<[BeltTuning; 2]>,
 }
 
 /// The robot has lengths only, but dynamics need masses.

@@ -1,9 +1,10 @@
 //! The position loop of a robot over its workspace, and the bandwidths that follow from it where
 //! `[control]` leaves them out.
 
+use super::belts::{INERTIA_RANGE, PAYLOAD_RANGE, links_only};
 use super::file::{Control, ControlFile};
 use super::{MissingMasses, Robot};
-use fivebar_design::servo::{Gains, Servo, ServoDrive, tune};
+use fivebar_design::servo::{CURRENTS, Gains, Servo, ServoDrive, tune};
 use fivebar_kinematics::five_bar::Pose;
 use fivebar_plant::EncoderSide;
 use nalgebra::Matrix2;
@@ -14,19 +15,6 @@ const GRID: u32 = 9;
 
 /// A pose and the mass matrix there [kg·m²].
 type PoseMass = (Pose<f64>, Matrix2<f64>);
-
-impl Control {
-    /// The bandwidths of the loops.
-    pub fn gains(&self) -> Gains {
-        Gains {
-            bandwidth: self.bandwidth,
-            damping: self.damping,
-            integral_rate: self.integral_rate,
-            observer_bandwidth: self.observer_bandwidth,
-            current_bandwidth: self.current_bandwidth,
-        }
-    }
-}
 
 impl ControlFile {
     /// What the file gives, and the defaults of the rest.
@@ -46,14 +34,23 @@ impl ControlFile {
         }
     }
 
-    fn is_complete(&self) -> bool {
-        let given = [
+    /// What would follow from the arm.
+    fn bandwidths(&self) -> [Option<f64>; 4] {
+        [
             self.bandwidth,
             self.integral_rate,
             self.observer_bandwidth,
             self.current_bandwidth,
-        ];
-        given.iter().all(Option::is_some)
+        ]
+    }
+
+    fn is_complete(&self) -> bool {
+        self.bandwidths().iter().all(Option::is_some)
+    }
+
+    /// Whether the file gives one of them.
+    pub(super) fn gives_bandwidths(&self) -> bool {
+        self.bandwidths().iter().any(Option::is_some)
     }
 
     /// What the file gives, and what follows from the arm. An arm without masses or without a
@@ -62,7 +59,13 @@ impl ControlFile {
         if self.is_complete() {
             return self.given();
         }
-        let Some(found) = extreme_poses(robot).and_then(|poses| tune(&poses)) else {
+        // The loops of belts need a fast current loop.
+        let currents = match &robot.belts {
+            Some(_) => &CURRENTS[..1],
+            None => &CURRENTS[..],
+        };
+        let found = extreme_poses(robot).and_then(|poses| tune(&poses, currents));
+        let Some(found) = found else {
             return self.given();
         };
         self.over(Control {
@@ -113,6 +116,55 @@ fn extreme_poses(robot: &Robot) -> Option<Vec<Servo>> {
 }
 
 impl Robot {
+    /// The gains of the loops.
+    pub fn gains(&self) -> Gains {
+        let Control {
+            bandwidth,
+            damping,
+            integral_rate,
+            observer_bandwidth,
+            current_bandwidth,
+            ..
+        } = self.control;
+        Gains {
+            bandwidth,
+            damping,
+            integral_rate,
+            observer_bandwidth,
+            current_bandwidth,
+            belts: self.belts.map(|belts| belts.map(|belt| belt.gains)),
+        }
+    }
+
+    /// The arms that may be meant at the poses of [`Robot::servos`]: links of −20 to +30 % inertia, without payload
+    /// and with twice as much. Those between are combinations of these.
+    ///
+    /// # Errors
+    /// The robot has lengths only, no masses.
+    pub fn unlike_servos(&self) -> Result<Vec<[Servo; 4]>, MissingMasses> {
+        let arm = self.arm()?;
+        let drives = self.servo_drives()?;
+        let rotors = Matrix2::from_diagonal(&arm.rotor_inertia().into());
+        let period = 1.0 / self.control.tick_rate;
+        let arms = PAYLOAD_RANGE.map(|factor| links_only(arm, factor * arm.payload()));
+        let [Some(light), Some(heavy)] = arms else {
+            return Ok(Vec::new());
+        };
+        let at = |(pose, _): (Pose<f64>, _)| {
+            let masses = [
+                light.mass_matrix(&pose).ok()?,
+                heavy.mass_matrix(&pose).ok()?,
+            ];
+            let [low, high] = INERTIA_RANGE;
+            let corners = [(low, 0), (low, 1), (high, 0), (high, 1)];
+            Some(
+                corners
+                    .map(|(factor, of)| Servo::new(masses[of] * factor + rotors, drives, period)),
+            )
+        };
+        Ok(self.masses()?.into_iter().filter_map(at).collect())
+    }
+
     /// The position loop at poses all over the joints' limits, in the robot's assembly and
     /// working mode and clear of singularities. Home comes first.
     ///
@@ -128,6 +180,14 @@ impl Robot {
     /// The mass matrices at these poses [kg·m²].
     fn masses(&self) -> Result<Vec<PoseMass>, MissingMasses> {
         let arm = self.arm()?;
+        let poses = self.poses().into_iter();
+        Ok(poses
+            .filter_map(|pose| Some((pose, arm.mass_matrix(&pose).ok()?)))
+            .collect())
+    }
+
+    /// Home, and poses all over the joints' limits.
+    pub(super) fn poses(&self) -> Vec<Pose<f64>> {
         let home = self.home_pose().ok();
         let assembly = home.as_ref().map(Pose::assembly);
         let clear = |pose: &Pose<f64>| {
@@ -141,10 +201,7 @@ impl Robot {
             let (theta1, theta4) = (at(range1, i / GRID), at(range4, i % GRID));
             self.geometry.forward(theta1, theta4, assembly?).ok()
         });
-        let poses = home.into_iter().chain(grid.filter(clear));
-        Ok(poses
-            .filter_map(|pose| Some((pose, arm.mass_matrix(&pose).ok()?)))
-            .collect())
+        home.into_iter().chain(grid.filter(clear)).collect()
     }
 
     /// The drives as the position loop meets them.

@@ -1,6 +1,8 @@
 //! The controller's settings for a robot.
 
-use super::{Actuator, HomeMethod, MissingMasses, Robot, home_method};
+use super::belts::belt_settings;
+use super::{Actuator, Control, HomeMethod, MissingMasses, Robot, home_method};
+use fivebar_design::servo::BeltTuning;
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
     AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings,
@@ -21,15 +23,30 @@ impl Robot {
     /// # Errors
     /// The robot has lengths only, no masses.
     pub fn settings(&self) -> Result<Settings, MissingMasses> {
+        self.settings_with(&self.control, self.belts.as_ref())
+    }
+
+    /// The controller's settings of a PID at each joint, which knows neither masses nor belts.
+    ///
+    /// # Errors
+    /// The robot has lengths only, no masses.
+    pub fn pid_settings(&self) -> Result<Settings, MissingMasses> {
+        let mut settings = self.settings_with(&self.rigid_control, None)?;
+        settings.control.computed_torque = false;
+        Ok(settings)
+    }
+
+    fn settings_with(
+        &self,
+        control: &Control,
+        belts: Option<&[BeltTuning; 2]>,
+    ) -> Result<Settings, MissingMasses> {
         let arm = self.arm()?;
         let actuators = self.drives()?;
         let gravity = arm.gravity();
         let mode = self.working_mode();
         let Self {
-            control,
-            motion,
-            protection,
-            ..
+            motion, protection, ..
         } = self;
         Ok(Settings {
             lengths: self.geometry.lengths().map(single),
@@ -81,6 +98,7 @@ impl Robot {
             crossing_allowed: self.crossing.allowed,
             advanced: self.advanced,
             brake: brakes(&actuators),
+            belts: belt_settings(belts, &actuators),
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
         })
     }
@@ -307,6 +325,6 @@ fn least([a, b]: [f64; 2]) -> f64 {
     a.min(b)
 }
 
-fn single(value: f64) -> f32 {
+pub(super) fn single(value: f64) -> f32 {
     value as f32
 }

@@ -82,7 +82,7 @@ pub(in super::super) fn tuning(bench: &mut Bench) -> Result<Outcome, StepError> 
             "leave bandwidth out of [control], so that it follows from the arm",
         ));
     };
-    let gains = bench.robot.control.gains();
+    let gains = bench.robot.gains();
     let text = format!(
         "a bandwidth of {:.0} rad/s, a phase margin of {:.0}° and a modulus margin of {:.2} at the \
          worst pose",

@@ -12,7 +12,7 @@ impl MarginsStudy<'_> {
         let margin = |of: fn(&fivebar_design::servo::Margins) -> f64| {
             worst.margins.as_ref().map(of).and_then(finite)
         };
-        let gains = self.robot.control.gains();
+        let gains = self.robot.gains();
         json!({
             "robot": self.robot.name,
             "stable": worst.margins.is_some(),
@@ -22,7 +22,10 @@ impl MarginsStudy<'_> {
             "phase_margin_deg": margin(|m| m.phase.to_degrees()),
             "delay_margin_s": margin(|m| m.delay),
             "worst_pose": {"theta1": worst.theta[0], "theta4": worst.theta[1]},
+            "modulus_margin_range": self.modulus_range,
+            "disturbance_peak": self.disturbance_peak.and_then(finite),
             "resonance_hz": self.resonance,
+            "modes_hz": self.modes,
             "torque_noise_share": self.noise,
             "tick_rate_hz": self.robot.control.tick_rate,
             "bandwidth_rad_s": gains.bandwidth,

@@ -2,7 +2,7 @@
 
 mod answer;
 
-use fivebar_design::servo::{LoopPoint, Margins, Servo};
+use fivebar_design::servo::{Gains, LoopPoint, Margins, Servo};
 use fivebar_files::robot::{MissingMasses, Robot};
 use fivebar_kinematics::five_bar::Pose;
 use rayon::prelude::*;
@@ -47,8 +47,15 @@ pub struct MarginsStudy<'a> {
     pub loci: Vec<LoopPoint>,
     /// The free frequency of each drive there [Hz]; none for a rigid drive.
     pub resonance: [Option<f64>; 2],
+    /// The free frequencies of the arm on its belts there [Hz], the lower one first; none for a rigid drive.
+    pub modes: [Option<f64>; 2],
     /// Torque by the encoders' counts there, root mean square, as a share of the peak torque.
     pub noise: f64,
+    /// The least modulus margin over all poses of arms with −20 to +30 % of the links' inertia and 0 to twice the
+    /// payload; none if one of them is unstable.
+    pub modulus_range: Option<f64>,
+    /// The greatest compliance of the tip per its static one, over all poses; none if the loop is unstable.
+    pub disturbance_peak: Option<f64>,
 }
 
 impl<'a> MarginsStudy<'a> {
@@ -57,14 +64,15 @@ impl<'a> MarginsStudy<'a> {
     /// # Errors
     /// A robot without masses, or without a pose.
     pub fn new(robot: &'a Robot) -> Result<Self, MarginsError> {
-        let gains = robot.control.gains();
+        let gains = robot.gains();
         let servos = robot.servos()?;
         let mut poses: Vec<PoseMargins> = servos
             .par_iter()
             .map(|(pose, servo)| {
-                let radius = servo.spectral_radius(&gains, 1.0);
+                let law = servo.law(&gains);
+                let radius = servo.spectral_radius(&law, 1.0);
                 PoseMargins {
-                    margins: (radius < 1.0).then(|| servo.margins(&gains)),
+                    margins: (radius < 1.0).then(|| servo.margins(&law)),
                     radius,
                     ..PoseMargins::at(pose)
                 }
@@ -75,18 +83,22 @@ impl<'a> MarginsStudy<'a> {
             .max_by(|&a, &b| badness(&poses[a]).total_cmp(&badness(&poses[b])))
             .ok_or_else(|| MarginsError::NoPose(robot.name.clone()))?;
         let servo: &Servo = &servos[worst].1;
+        let law = servo.law(&gains);
         if let Some(margins) = &mut poses[worst].margins {
-            *margins = servo.margins_by_poles(&gains);
+            *margins = servo.margins_by_poles(&law);
         }
         Ok(Self {
             robot,
             worst,
-            loci: servo.loci(&gains),
+            loci: servo.loci(&law),
             resonance: [0, 1].map(|j| {
                 let drive = &servo.drives[j];
                 drive.resonance(servo.mass_matrix[(j, j)] - drive.rotor_inertia)
             }),
-            noise: servo.noise(&gains),
+            modes: servo.modes(),
+            noise: servo.noise(&law),
+            modulus_range: modulus_range(robot, &servos, &gains)?,
+            disturbance_peak: disturbance_peak(robot, &servos, &gains),
             poses,
         })
     }
@@ -95,6 +107,44 @@ impl<'a> MarginsStudy<'a> {
     pub fn worst(&self) -> &PoseMargins {
         &self.poses[self.worst]
     }
+}
+
+/// The least modulus margin of the arms that may be meant.
+fn modulus_range(
+    robot: &Robot,
+    servos: &[(Pose<f64>, Servo)],
+    gains: &Gains,
+) -> Result<Option<f64>, MissingMasses> {
+    let unlike = robot.unlike_servos()?;
+    let pairs = servos.par_iter().zip(&unlike);
+    Ok(pairs
+        .map(|((_, model), arms)| {
+            let law = model.law(gains);
+            let margin = |arm: &Servo| {
+                let stable = arm.spectral_radius(&law, 1.0) < 1.0;
+                stable.then(|| arm.margins(&law).modulus)
+            };
+            arms.iter().map(margin).try_fold(f64::INFINITY, least)
+        })
+        .try_reduce(|| f64::INFINITY, |one, other| Some(one.min(other))))
+}
+
+fn least(so_far: f64, next: Option<f64>) -> Option<f64> {
+    next.map(|next| so_far.min(next))
+}
+
+/// The greatest compliance of the tip per its static one.
+fn disturbance_peak(robot: &Robot, servos: &[(Pose<f64>, Servo)], gains: &Gains) -> Option<f64> {
+    let tool = robot.tool_on_link().ok()?;
+    servos
+        .par_iter()
+        .map(|(pose, servo)| {
+            let law = servo.law(gains);
+            let jacobian = tool.jacobian(pose).ok()?;
+            let stable = servo.spectral_radius(&law, 1.0) < 1.0;
+            stable.then(|| servo.disturbance_peak(&law, &jacobian.matrix()))
+        })
+        .try_reduce(|| 0.0, |one, other| Some(one.max(other)))
 }
 
 impl PoseMargins {
