@@ -7,13 +7,15 @@
 
 mod bench;
 
-use bench::{Bench, Driven, gear, moves, settings};
+use bench::{Bench, Driven, arm_before_home, gear, moves};
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Options, Step, Tick};
+use fivebar_files::robot::Robot;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{ActuatorCommand, Controller, Move, Planner, Request};
+use fivebar_firmware::settings::CheckedSettings;
+use fivebar_firmware::{ActuatorCommand, Controller, Move, Planner, Request, Settings};
 use fivebar_kinematics::five_bar::Joint;
 use rtic_core::Mutex;
 
@@ -23,20 +25,25 @@ const FULL: f32 = 4200.0;
 /// A host that keeps in mind what it told the image.
 struct Recorder {
     driven: Driven,
+    settings: Settings,
     /// Frames that the image had sent before the first command here.
     sent_before: usize,
     commands: Vec<HostCommand>,
 }
 
 impl Recorder {
-    fn new() -> Self {
-        let bench = Bench::with(Options::default(), Vec::new(), 0);
+    /// With a built-in robot.
+    fn of(robot: &str) -> Self {
+        let robot = Robot::load(robot).expect("a built-in robot");
+        let settings = robot.settings().expect("masses");
+        let bench = Bench::of(arm_before_home(&robot, 0), Options::default(), Vec::new());
         bench.line.chip().trace();
-        let driven = bench.ready();
+        let driven = bench.ready_as(&settings);
         let is_sent = |(_, step): &&(usize, Step)| *step == Step::Sent;
         let sent_before = driven.chip().steps().iter().filter(is_sent).count();
         Self {
             driven,
+            settings,
             sent_before,
             commands: Vec::new(),
         }
@@ -101,13 +108,13 @@ impl Recorder {
     /// so many have the bridges on.
     fn assert_agrees(&self, least: usize) {
         let (chip, arm) = (self.driven.chip(), self.driven.arm.get());
-        let mut here = Here::new(&arm.ticks);
+        let checked = self.settings.check().expect("valid settings");
+        let mut here = Here::new(&checked, &arm.ticks);
         let mut steps = chip.steps().iter().peekable();
         let mut commands = self.commands.iter();
         let mut to_skip = self.sent_before;
         // The controller's last lock, in which a command acts.
         let mut locked = 0;
-        let checked = settings().check().expect("valid settings");
         let mut planner = Planner::new(&checked);
         while let Some(&(at, step)) = steps.next() {
             match step {
@@ -155,10 +162,9 @@ struct Here<'a> {
 }
 
 impl<'a> Here<'a> {
-    fn new(ticks: &'a [Tick]) -> Self {
-        let checked = settings().check().expect("valid settings");
+    fn new(settings: &CheckedSettings, ticks: &'a [Tick]) -> Self {
         Self {
-            controller: Controller::new(&checked),
+            controller: Controller::new(settings),
             ticks,
             number: 0,
             given: [ActuatorCommand::default(); 2],
@@ -212,7 +218,7 @@ impl<'b, I: Iterator<Item = &'b (usize, Step)>> Mutex for Locks<'_, 'b, I> {
 
 #[test]
 fn homing_gives_the_duties_of_the_controller_in_this_process() {
-    let mut recorder = Recorder::new();
+    let mut recorder = Recorder::of("benchtop");
     recorder.run(60 * MILLISECOND);
     recorder.request(Request::Home);
     recorder.run(400 * MILLISECOND);
@@ -221,7 +227,17 @@ fn homing_gives_the_duties_of_the_controller_in_this_process() {
 
 #[test]
 fn a_job_and_disarming_give_the_duties_of_the_controller_in_this_process() {
-    let mut recorder = Recorder::new();
+    draws_as_here("benchtop");
+}
+
+#[test]
+fn on_belts_a_job_gives_the_duties_of_the_controller_in_this_process() {
+    draws_as_here("benchtop_belt");
+}
+
+fn draws_as_here(robot: &str) {
+    let mut recorder = Recorder::of(robot);
+    assert_eq!(recorder.settings.is_on_belts(), robot == "benchtop_belt");
     recorder.run(60 * MILLISECOND);
     let arm = recorder.driven.arm.clone();
     let angles = Joint::ALL.map(|joint| arm.get().plant().angle(joint) as f32);

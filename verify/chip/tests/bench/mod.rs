@@ -72,13 +72,18 @@ pub(crate) fn arm_in(robot: &Robot, pose: &Pose<f64>, wake: Time) -> SharedArm {
 
 /// The arm, 0.03 rad before its home switches.
 pub(crate) fn arm(wake: Time) -> SharedArm {
-    let robot = robot();
-    let before = Joint::ALL.map(|joint| match settings().axes[joint].home_forward {
+    arm_before_home(&robot(), wake)
+}
+
+/// The arm of a robot, 0.03 rad before its home switches.
+pub(crate) fn arm_before_home(robot: &Robot, wake: Time) -> SharedArm {
+    let settings = robot.settings().expect("masses");
+    let before = Joint::ALL.map(|joint| match settings.axes[joint].home_forward {
         true => -0.03,
         false => 0.03,
     });
     let pose = robot.pose_near_home(before).expect("a reachable pose");
-    arm_in(&robot, &pose, wake)
+    arm_in(robot, &pose, wake)
 }
 
 /// A chip with the image, about to get power, and the arm on it.
