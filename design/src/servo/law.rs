@@ -26,6 +26,16 @@ pub struct Gains {
     pub belts: Option<[BeltGains<f64>; 2]>,
 }
 
+impl Gains {
+    /// Bandwidth of the feedback of the joints' angles [rad/s]; of joints behind belts the lower one.
+    pub fn feedback_bandwidth(&self) -> f64 {
+        match &self.belts {
+            None => self.bandwidth,
+            Some([belt1, belt4]) => belt1.bandwidth.min(belt4.bandwidth),
+        }
+    }
+}
+
 /// What a controller does that has the model of the arm at a pose.
 #[derive(Clone, Debug)]
 pub struct ArmLaw {

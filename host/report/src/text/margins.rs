@@ -9,14 +9,20 @@ pub fn margins(study: &MarginsStudy<'_>) -> String {
     let control = &study.robot.control;
     let worst = study.worst();
     let [theta1, theta4] = worst.theta;
+    let loops = match study.robot.gains().belts {
+        None => format!(
+            "position loop {:.0} rad/s, integral {:.0} rad/s, observer {:.0} rad/s",
+            control.bandwidth, control.integral_rate, control.observer_bandwidth
+        ),
+        Some([belt1, belt4]) => format!(
+            "loops of both sides of the belts, feedback {:.0} and {:.0} rad/s",
+            belt1.bandwidth, belt4.bandwidth
+        ),
+    };
     let mut text = format!(
-        "{}: position loop {:.0} rad/s, integral {:.0} rad/s, observer {:.0} rad/s, current loop \
-         {:.0} rad/s, tick {:.0} Hz\n\
+        "{}: {loops}, current loop {:.0} rad/s, tick {:.0} Hz\n\
          worst of {} poses: θ1 = {theta1:.3} rad, θ4 = {theta4:.3} rad, C at ({:.1}, {:.1}) mm\n",
         study.robot.name,
-        control.bandwidth,
-        control.integral_rate,
-        control.observer_bandwidth,
         control.current_bandwidth,
         control.tick_rate,
         study.poses.len(),
@@ -55,6 +61,29 @@ pub fn margins(study: &MarginsStudy<'_>) -> String {
                 "  drive of {joint}    free frequency {frequency:.0} Hz"
             );
         }
+    }
+    if let [Some(low), Some(high)] = study.modes {
+        let _ = writeln!(
+            text,
+            "  modes of the arm    {low:.0} Hz and {high:.0} Hz, on both belts"
+        );
+    }
+    let _ = match study.modulus_range {
+        Some(modulus) => writeln!(
+            text,
+            "  over the range      modulus margin {modulus:.3} or more, with 80 to 130 % of the links' inertia and \
+             0 to twice the payload, at all poses"
+        ),
+        None => writeln!(
+            text,
+            "  over the range      unstable with some arm of 80 to 130 % of the links' inertia and 0 to twice the payload"
+        ),
+    };
+    if let Some(peak) = study.disturbance_peak {
+        let _ = writeln!(
+            text,
+            "  load at the tip     it yields at most {peak:.2} times as far as to a constant one without the integral"
+        );
     }
     let _ = writeln!(
         text,

@@ -86,12 +86,16 @@ pub(in super::super) fn tuning(bench: &mut Bench) -> Result<Outcome, StepError> 
     let text = format!(
         "a bandwidth of {:.0} rad/s, a phase margin of {:.0}° and a modulus margin of {:.2} at the \
          worst pose",
-        gains.bandwidth,
+        gains.feedback_bandwidth(),
         margins.phase.to_degrees(),
         margins.modulus
     );
     let values = vec![
-        Value::new("bandwidth_rad_s", gains.bandwidth, "from the arm"),
+        Value::new(
+            "bandwidth_rad_s",
+            gains.feedback_bandwidth(),
+            "from the arm",
+        ),
         Value::new("modulus_margin", margins.modulus, "of the sampled loop"),
     ];
     Ok(Outcome::new(text, values))
