@@ -74,9 +74,14 @@ pub fn reach_boundary<S: Scalar>(geometry: &Geometry<S>) -> impl Iterator<Item =
 /// The angle φ [rad], 0…π, from the line to a second centre at the distance `base`, at which a
 /// point of the circle has the given `distance` from that centre:
 /// cos φ = (radius² + base² − distance²)/(2 radius base).
-/// 0 if every point of the circle is farther, π if every point is nearer.
+/// 0 if every point of the circle is farther, π if every point is nearer. Where the circles
+/// coincide it is π/2, the limit for a small `base`: each of the two has half of what they share.
 pub(super) fn angle_at_distance<S: Scalar>(radius: S, base: S, distance: S) -> S {
-    let cos = (radius * radius + base * base - distance * distance) / (S::TWO * radius * base);
+    let cos = if base == S::ZERO && radius == distance {
+        S::ZERO
+    } else {
+        (radius * radius + base * base - distance * distance) / (S::TWO * radius * base)
+    };
     if cos >= S::ONE {
         S::ZERO
     } else if cos <= -S::ONE {

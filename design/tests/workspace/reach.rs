@@ -1,6 +1,6 @@
 //! The region that both legs reach: its area by other methods, and its boundary.
 
-use fivebar_design::workspace::{reach_boundary, reachable_area};
+use fivebar_design::workspace::{Arc, reach_boundary, reachable_area};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Geometry;
 use fivebar_testkit::{Tally, assert_close, geometry};
@@ -43,13 +43,14 @@ fn the_textbook_lens_has_its_known_area() {
     assert_close("counted", counted, 0.415_580_73, 1e-4);
 }
 
-/// The circles that bound the reach of the leg whose pivot is not at `center`.
+/// The circles that bound the reach of the leg that `arc` does not belong to. Coaxial legs are
+/// parted by their radii.
 fn other_leg(
     geometry: &Geometry<f64>,
-    center: Vector2<f64>,
+    arc: &Arc<f64>,
 ) -> impl Iterator<Item = (Vector2<f64>, f64)> {
     let [l1, l2, l3, l4, l5] = geometry.lengths();
-    let (pivot, near, far) = if center.x == 0.0 {
+    let (pivot, near, far) = if arc.centre.x == 0.0 && geometry.leg1_radii().contains(&arc.radius) {
         (l5, l4, l3)
     } else {
         (0.0, l1, l2)
@@ -79,7 +80,7 @@ fn the_boundary_parts_what_is_reached_from_what_is_not() {
             // The step is less than the distance to the other leg's circles, which meet the arc at
             // its ends, so only this arc decides.
             let on_arc = arc.centre + direction * arc.radius;
-            let spare = other_leg(&geometry, arc.centre)
+            let spare = other_leg(&geometry, &arc)
                 .map(|(pivot, radius)| ((on_arc - pivot).norm() - radius).abs())
                 .fold(f64::INFINITY, f64::min);
             let step = (1e-4 * arc.radius).min(0.5 * spare);

@@ -16,7 +16,7 @@ use core::fmt;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum GeometryError {
-    /// Length `0..=4` (l1…l4, base) is not a positive finite number.
+    /// Length `0..=4` (l1…l4, base) is not a positive finite number; the base may be 0.
     NotPositive(usize),
     /// The longest length exceeds the sum of the others: the loop cannot close.
     CannotAssemble,
@@ -105,8 +105,11 @@ pub enum PoseError {
 impl fmt::Display for GeometryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::NotPositive(4) => {
+                f.write_str("length base must be a finite number of metres, 0 or more")
+            }
             Self::NotPositive(index) => {
-                let name = ["l1", "l2", "l3", "l4", "base"].get(*index).unwrap_or(&"?");
+                let name = ["l1", "l2", "l3", "l4"].get(*index).unwrap_or(&"?");
                 write!(
                     f,
                     "length {name} must be a positive finite number of metres"

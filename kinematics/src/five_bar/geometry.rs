@@ -5,7 +5,8 @@ use super::dyad::Dyad;
 use crate::Scalar;
 use nalgebra::Vector2;
 
-/// The lengths of a five-bar [m], checked to be positive and to close.
+/// The lengths of a five-bar [m], checked to close: the links' are positive, the base may be 0
+/// (coaxial cranks).
 ///
 /// ```
 /// use fivebar_kinematics::five_bar::{Geometry, Side};
@@ -47,13 +48,14 @@ impl<S: Scalar> Geometry<S> {
     /// The arm with links `lengths[0..4]` = l1…l4 and base `lengths[4]` = l5 = |AE| [m].
     ///
     /// # Errors
-    /// A length that is not positive and finite, or a longest length that exceeds the
-    /// sum of the others.
+    /// A link's length that is not positive and finite, a base that is not finite or negative,
+    /// or a longest length that exceeds the sum of the others.
     pub fn new(lengths: [S; 5]) -> Result<Self, GeometryError> {
         let mut sum = S::ZERO;
         let mut longest = S::ZERO;
         for (index, &length) in lengths.iter().enumerate() {
-            if !(length > S::ZERO && length.is_finite()) {
+            let is_coaxial = index == 4 && length == S::ZERO;
+            if !((length > S::ZERO || is_coaxial) && length.is_finite()) {
                 return Err(GeometryError::NotPositive(index));
             }
             sum += length;

@@ -124,13 +124,13 @@ pub(crate) fn single(range: core::ops::Range<f64>) -> impl Strategy<Value = f32>
 }
 
 /// Lengths l1…l4 and base of an arm from millimetres to metres [m], the longer link of either
-/// leg up to 1.8 times the shorter one.
+/// leg up to 1.8 times the shorter one; of four arms one is coaxial.
 pub(crate) fn lengths() -> impl Strategy<Value = [f32; 5]> {
     let ratio = || single(1.0 / 1.8..1.8);
     (
         single(-5.0..3.0),
         [ratio(), ratio()],
-        single(0.1..1.5),
+        prop_oneof![3 => single(0.1..1.5), 1 => Just(0.0)],
         single(0.7..1.4),
     )
         .prop_map(|(size, [ratio1, ratio4], base, l4)| {

@@ -28,10 +28,14 @@ pub fn mode() -> impl Strategy<Value = WorkingMode> {
     (side(), side()).prop_map(|(elbow1, elbow4)| WorkingMode::new(elbow1, elbow4))
 }
 
-/// Any five lengths that can be assembled, from 5 cm to 50 cm, asymmetric.
+/// Any four links and base that can be assembled, from 5 cm to 50 cm, asymmetric; of four arms one
+/// is coaxial.
 pub fn geometry() -> impl Strategy<Value = Geometry<f64>> {
-    prop::array::uniform5(0.05..0.5_f64)
-        .prop_filter_map("does not close", |lengths| Geometry::new(lengths).ok())
+    let base = prop_oneof![3 => 0.05..0.5_f64, 1 => Just(0.0)];
+    (prop::array::uniform4(0.05..0.5_f64), base)
+        .prop_filter_map("does not close", |([l1, l2, l3, l4], base)| {
+            Geometry::new([l1, l2, l3, l4, base]).ok()
+        })
 }
 
 /// A pose of any arm whose three sines are all at least `margin`.

@@ -126,9 +126,19 @@ impl ArmSampler<'_> {
 
     fn displacement(&self, noise: &mut Noise, varies: impl Fn(usize) -> bool) -> Option<[f64; 2]> {
         let [theta1, theta4, l1, l2, l3, l4, base] = self.random_primitives(noise, varies);
-        let geometry = Geometry::new([l1, l2, l3, l4, base]).ok()?;
         let assembly = self.analysis.pose.assembly();
-        let made = geometry.forward(theta1, theta4, assembly).ok()?.c;
+        let made = if base < 0.0 {
+            // E has moved past A, as it may in a coaxial arm: the same arm seen from E.
+            let geometry = Geometry::new([l4, l3, l2, l1, -base]).ok()?;
+            let from_e = geometry
+                .forward(theta4, theta1, assembly.opposite())
+                .ok()?
+                .c;
+            from_e + Vector2::new(base, 0.0)
+        } else {
+            let geometry = Geometry::new([l1, l2, l3, l4, base]).ok()?;
+            geometry.forward(theta1, theta4, assembly).ok()?.c
+        };
         let middle = 0.5 * (base - self.arm.geometry.base());
         let ideal = self.analysis.pose.c;
         Some([made.x - middle - ideal.x, made.y - ideal.y])

@@ -3,8 +3,8 @@
 use super::file::{LinkFile, RobotFile};
 use super::home::best_conditioned;
 use super::value::{
-    LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, POSITIVE,
-    SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
+    LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, NOT_NEGATIVE,
+    POSITIVE, SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
 use super::{
     Actuator, Control, Limits, Protection, Robot, Supply, Tool, ToolLimits, consistency, drive,
@@ -188,7 +188,7 @@ fn geometry(
         ),
         GeometryError::NotPositive(_) => source.refuse(
             Key::Top("base"),
-            format!("{POSITIVE} of metres, not {base:?}"),
+            format!("{NOT_NEGATIVE}, in metres, not {base:?}"),
         ),
         GeometryError::ToolOffset => source.refuse(Key::In("tool", "offset"), error),
         GeometryError::CannotAssemble => source.refuse(

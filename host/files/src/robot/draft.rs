@@ -106,10 +106,12 @@ impl Draft {
         draft
     }
 
-    /// Sets the base [m], and the links from it.
+    /// Sets the base [m], and the links from it; coaxial cranks (base 0) keep their links.
     pub fn set_base(&mut self, base: f64) {
         self.base = base;
-        self.set_cranks([tidy(CRANK_PER_BASE * base); 2]);
+        if base > 0.0 {
+            self.set_cranks([tidy(CRANK_PER_BASE * base); 2]);
+        }
     }
 
     /// Sets links 1 and 4 [m], and from them their masses and the couplers, which become long

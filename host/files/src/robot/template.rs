@@ -97,7 +97,7 @@ mod tests {
         let line = |wanted: &str| *lines.iter().find(|line| line.contains(wanted)).unwrap();
         assert_eq!(
             line("base = "),
-            "base = 0.123                      # A to E [m]"
+            "base = 0.123                      # A to E [m]; 0.0 for coaxial cranks"
         );
         assert_eq!(
             line("voltage = 1"),

@@ -23,7 +23,7 @@ pub(super) const LEAST_JERK: f64 = 1e-4;
 const SIZES: RangeInclusive<f64> = 1e-30..=1e30;
 
 pub(super) const POSITIVE: &str = "must be a positive finite number";
-const NOT_NEGATIVE: &str = "must be finite and not negative";
+pub(super) const NOT_NEGATIVE: &str = "must be finite and not negative";
 const FINITE: &str = "must be finite, 1e30 at most";
 const SIZED: &str = "must be 1e-30 to 1e30 in size";
 

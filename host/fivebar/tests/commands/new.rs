@@ -54,6 +54,22 @@ fn the_default_arm_can_be_simulated() {
 }
 
 #[test]
+fn a_coaxial_arm_keeps_its_links_and_can_be_simulated() {
+    let folder = tempfile::tempdir().unwrap();
+    // Name, plane, base; the rest are defaults.
+    let output = new(folder.path(), &[], &format!("\n\n0\n{}", "\n".repeat(20)));
+    assert!(output.status.success(), "{}", message(&output));
+    let robot = load(folder.path());
+    assert_eq!(robot.geometry.lengths(), [0.1, 0.16, 0.16, 0.1, 0.0]);
+    let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(["sim", PETAL, "--robot", "arm.toml", "--json"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", message(&run));
+}
+
+#[test]
 fn invalid_answers_are_explained_and_asked_again() {
     let folder = tempfile::tempdir().unwrap();
     let answers = [

@@ -262,3 +262,26 @@ fn a_missing_robot_is_named_in_the_error() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("nowhere/none.toml"));
     assert!(output.stdout.is_empty());
 }
+
+#[test]
+fn a_coaxial_arm_is_solved_both_ways() {
+    let link = |length: f64| format!("[[link]]\nlength = {length}\n");
+    let robot = |base: &str| {
+        let links: String = [0.1, 0.16, 0.16, 0.1].map(link).concat();
+        format!("name = \"leg\"\ngravity = [0.0, -9.81]\nbase = {base}\n{links}")
+    };
+    let inverse = json!({"op": "inverse", "c": [0.05, 0.15], "elbow1": "right", "elbow4": "left"});
+    let inverse = &ask(&robot("0.0"), &[inverse.to_string()])[0];
+    let forward = json!({
+        "op": "forward", "theta1": inverse["theta1"], "theta4": inverse["theta4"],
+        "assembly": inverse["assembly"],
+    });
+    // Cranks that point alike hold C nowhere.
+    let alike = json!({"op": "forward", "theta1": 1.0, "theta4": 1.0, "assembly": "left"});
+    let answers = ask(&robot("0"), &[forward.to_string(), alike.to_string()]);
+    for (axis, expected) in [0.05, 0.15].into_iter().enumerate() {
+        let found = answers[0]["c"][axis].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+    }
+    assert_eq!(answers[1]["error"], "singular");
+}

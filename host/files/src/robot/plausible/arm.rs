@@ -75,12 +75,14 @@ fn lengths(robot: &Robot) -> impl Iterator<Item = Plausible> {
             0..4 => Key::Of("link", index, "length"),
             _ => Key::Top("base"),
         };
-        Plausible::new(
+        let length = Plausible::new(
             key,
             (length, "m"),
             [LENGTH * longest, longest],
             "a hundredth of the longest of the links and the base, to the longest",
-        )
+        );
+        // Without a base, the cranks are coaxial.
+        if index == 4 { length.or_zero() } else { length }
     };
     let [along, left] = robot.tool.offset;
     let offset = Plausible::new(

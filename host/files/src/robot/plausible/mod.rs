@@ -148,11 +148,11 @@ fn reach(robot: &Robot) -> f64 {
     (l1 + l2).max(l3 + l4)
 }
 
+/// The shortest of the links and of a base that is not 0 [m].
 fn shortest(robot: &Robot) -> f64 {
-    robot
-        .geometry
-        .lengths()
-        .into_iter()
+    let lengths = robot.geometry.lengths().into_iter();
+    lengths
+        .filter(|&length| length > 0.0)
         .fold(f64::MAX, f64::min)
 }
 
