@@ -45,10 +45,13 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: Cow::Borrowed("Base, from A to E [m]"),
+        text: Cow::Borrowed("Base, from A to E [m]; 0 for coaxial cranks"),
         default: |draft| shown(draft.base),
         take: |draft, answer| {
-            draft.set_base(length(answer)?);
+            draft.set_base(match number(answer)? {
+                0.0 => 0.0,
+                _ => length(answer)?,
+            });
             Ok(())
         },
     },
