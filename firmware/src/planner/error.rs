@@ -218,7 +218,7 @@ impl fmt::Display for MoveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.kind.fmt(f)?;
         if let Some([x, y]) = self.point {
-            write!(f, " at ({x:.6}, {y:.6}) m")?;
+            write!(f, " at ({:.3}, {:.3}) mm", 1e3 * x, 1e3 * y)?;
         }
         Ok(())
     }

@@ -148,7 +148,7 @@ fn every_refused_move_reads_as_a_sentence_with_its_point() {
     error.point = Some([0.25, -1.5]);
     assert_eq!(
         error.to_string(),
-        "the queue is full at (0.250000, -1.500000) m"
+        "the queue is full at (250.000, -1500.000) mm"
     );
 }
 

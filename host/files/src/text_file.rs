@@ -40,7 +40,7 @@ fn read_standard_input(limit: u64) -> io::Result<Vec<u8>> {
 }
 
 /// Reads a stream to its end, at most `limit` bytes.
-fn read_stream(stream: impl Read, limit: u64) -> io::Result<Vec<u8>> {
+pub fn read_stream(stream: impl Read, limit: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     stream.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {

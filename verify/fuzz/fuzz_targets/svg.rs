@@ -34,7 +34,7 @@ fuzz_target!(|bytes: &[u8]| {
     let job = match Job::parse_with(&text, &PLACEMENT, &options) {
         Ok(job) => job,
         Err(error) => {
-            assert!(matches!(error, JobError::Svg(_)) && !error.to_string().is_empty());
+            assert!(matches!(error, JobError::Drawing(_)) && !error.to_string().is_empty());
             return;
         }
     };

@@ -22,9 +22,17 @@ pub enum JobError {
         "the job has no motion: no line moves the tool; check that it is a G-code file with G0 to G3"
     )]
     NoMotion,
-    /// The file begins with `<`, but is no SVG that can be drawn.
+    /// A drawing in SVG or HPGL that cannot be drawn.
     #[error("{0}")]
-    Svg(String),
+    Drawing(String),
+    /// The file has another format.
+    #[error("this is {name}, and no G-code, SVG or HPGL: {remedy}")]
+    Format {
+        /// The format.
+        name: &'static str,
+        /// How to make a job of it.
+        remedy: &'static str,
+    },
 }
 
 /// The error in a line of G-code.
@@ -177,7 +185,9 @@ pub enum WarningKind {
     OtherAssembly,
     /// The text is UTF-16.
     Utf16,
-    /// A part of an SVG that is drawn otherwise or not at all.
+    /// The pens of a drawing that has several.
+    Pens(Vec<String>),
+    /// A part of a drawing that is drawn otherwise or not at all.
     Drawing(&'static str),
 }
 
@@ -274,6 +284,14 @@ impl fmt::Display for Warning {
             WarningKind::Utf16 => {
                 return f.write_str(
                     "the file is UTF-16 text and is read as such; other programs want UTF-8",
+                );
+            }
+            WarningKind::Pens(pens) => {
+                return write!(
+                    f,
+                    "pens {} are drawn one after the other without a stop; to change the pen, draw \
+                     the part of each as a file of its own",
+                    pens.join(", ")
                 );
             }
             WarningKind::Drawing(what) => f.write_str(what),

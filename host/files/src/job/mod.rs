@@ -5,12 +5,16 @@
 //! drawings are read by the module `svg`. Every step of a job is kept, except steps of no length.
 
 pub mod arc;
+mod drawing;
 mod error;
 mod evidence;
+mod format;
+mod hpgl;
 mod interpreter;
 mod modes;
 mod motion;
 mod options;
+mod order;
 mod pen_speeds;
 mod stream;
 #[cfg(feature = "svg")]
@@ -24,6 +28,8 @@ pub use options::{Dialect, JobOptions, ToolLevels};
 pub use stream::JobStream;
 pub use text::read;
 pub use tool::ToolWords;
+
+use format::Format;
 
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
 use fivebar_kinematics::five_bar::WorkingMode;
@@ -86,7 +92,7 @@ pub struct Job {
     pub stops: Vec<Stop>,
     /// What is skipped, and what was guessed.
     pub warnings: Vec<Warning>,
-    /// Whether the job is an SVG. Its steps then count strokes in place of lines: stroke n has the
+    /// Whether the job is an SVG or HPGL. Its steps then count strokes in place of lines: stroke n has the
     /// number 2n, the way to it 2n − 1.
     pub is_drawing: bool,
     /// Whether a point depends on where home is, so that the job has another shape elsewhere.
@@ -229,7 +235,7 @@ impl Action {
 }
 
 impl Job {
-    /// Reads G-code or SVG as [`JobOptions::default`] has it.
+    /// Reads G-code, SVG or HPGL as [`JobOptions::default`] has it.
     ///
     /// # Errors
     /// The first line that is not valid, or a job without motion.
@@ -237,7 +243,7 @@ impl Job {
         Self::parse_with(text, placement, &JobOptions::default())
     }
 
-    /// Reads G-code or, if the text begins with `<`, SVG.
+    /// Reads G-code, SVG or HPGL, by the first characters of the text.
     ///
     /// # Errors
     /// As [`Job::parse`].
@@ -247,10 +253,11 @@ impl Job {
         options: &JobOptions,
     ) -> Result<Self, JobError> {
         let (text, was_utf16) = text::without_mark(text);
-        let mut job = if !text.trim_start().starts_with('<') {
-            interpreter::interpret(text, placement, options)?
-        } else {
-            drawing(text, placement, options)?
+        let mut job = match format::of(text) {
+            Format::Gcode => interpreter::interpret(text, placement, options)?,
+            Format::Svg => svg_job(text, placement, options)?,
+            Format::Hpgl => hpgl::interpret(text, placement, options)?,
+            Format::Foreign { name, remedy } => return Err(JobError::Format { name, remedy }),
         };
         if was_utf16 {
             job.warnings.insert(0, Warning::at(0, WarningKind::Utf16));
@@ -349,15 +356,23 @@ impl Job {
     }
 }
 
+/// Whether the text is a drawing, whose steps count strokes.
+pub(crate) fn is_drawing(text: &str) -> bool {
+    matches!(
+        format::of(text::without_mark(text).0),
+        Format::Svg | Format::Hpgl
+    )
+}
+
 #[cfg(feature = "svg")]
-fn drawing(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
+fn svg_job(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
     svg::interpret(text, placement, options)
 }
 
 #[cfg(not(feature = "svg"))]
-fn drawing(_: &str, _: &Placement, _: &JobOptions) -> Result<Job, JobError> {
+fn svg_job(_: &str, _: &Placement, _: &JobOptions) -> Result<Job, JobError> {
     let reason = "the file is XML, and SVG is read only with the feature `svg`";
-    Err(JobError::Svg(reason.into()))
+    Err(JobError::Drawing(reason.into()))
 }
 
 /// The level of a move for a tool's share, 0 to 1. A tool that is on stays on.

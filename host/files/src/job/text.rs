@@ -1,20 +1,29 @@
 //! The bytes of a job's file as text.
 
 use crate::text_file;
+use flate2::read::GzDecoder;
 use std::io;
 use std::path::Path;
 
+/// The first bytes of a file that gzip has compressed, such as .svgz.
+const GZIP: [u8; 2] = [0x1F, 0x8B];
 /// The byte order mark.
 const MARK: char = '\u{FEFF}';
 
 /// Reads the text of a job's file, or of the standard input if the path is `-`. G-code is ASCII, but comments have any encoding: bytes that are
 /// not UTF-8 become U+FFFD, which is refused outside comments. A byte order mark is kept. UTF-16
+/// A file that gzip has compressed is decompressed. UTF-16
 /// with a mark is read as such and then has two marks, by which [`super::Job::parse`] notes it.
 ///
 /// # Errors
 /// The file cannot be read, or is larger than 64 MiB.
 pub fn read(path: &Path) -> io::Result<String> {
-    text_file::read_bytes(path, text_file::LARGEST_GCODE).map(|bytes| decoded(&bytes))
+    let bytes = text_file::read_bytes(path, text_file::LARGEST_GCODE)?;
+    if !bytes.starts_with(&GZIP) {
+        return Ok(decoded(&bytes));
+    }
+    let bytes = text_file::read_stream(GzDecoder::new(&bytes[..]), text_file::LARGEST_GCODE)?;
+    Ok(decoded(&bytes))
 }
 
 fn decoded(bytes: &[u8]) -> String {

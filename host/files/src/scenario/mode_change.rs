@@ -26,7 +26,7 @@ const SLACK: f32 = 0.01;
 #[non_exhaustive]
 pub enum ModeChangeError {
     /// The tool cannot be at this point with these elbows.
-    #[error("with {} the tool cannot be at ({:.4}, {:.4}) m: {reason}", named(*.mode), .point[0], .point[1])]
+    #[error("with {} the tool cannot be at ({:.1}, {:.1}) mm: {reason}", named(*.mode), 1e3 * .point[0], 1e3 * .point[1])]
     Place {
         /// The mode that is asked for.
         mode: WorkingMode,
@@ -37,7 +37,7 @@ pub enum ModeChangeError {
     },
     /// The tool can be there with these elbows, in the other assembly mode.
     #[error(
-        "with {} and the tool at ({:.4}, {:.4}) m the arm is in its other assembly mode, which only \
+        "with {} and the tool at ({:.1}, {:.1}) mm the arm is in its other assembly mode, which only \
          a crossing reaches",
         named(*.mode), .point[0], .point[1]
     )]

@@ -3,12 +3,14 @@
 mod document;
 mod drive_keys;
 mod factors;
+mod formats;
 mod gcode_codes;
 mod gcode_corpus;
 mod gcode_crossings;
 mod gcode_from_hosts;
 mod gcode_jobs;
 mod homing_keys;
+mod hpgl_plots;
 mod linkage_files;
 mod placed;
 mod robot_faults;

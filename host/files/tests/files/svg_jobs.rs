@@ -148,7 +148,7 @@ fn what_is_hidden_is_left_out_and_what_differs_is_noted() {
         "<path fill=\"none\" d=\"M1 1 L9 1\"/><path {LINE} display=\"none\" d=\"M1 1 L9 1\"/>\
          <path {LINE} visibility=\"hidden\" d=\"M1 1 L9 1\"/>"
     );
-    assert!(matches!(read(&page(&hidden)), Err(JobError::Svg(_))));
+    assert!(matches!(read(&page(&hidden)), Err(JobError::Drawing(_))));
     let noted = format!(
         "{hidden}<path {LINE} stroke-dasharray=\"1 2\" d=\"M1 1 L9 1\"/>\
          <text x=\"10\" y=\"20\" font-size=\"8\">I</text>\
@@ -165,17 +165,56 @@ fn what_is_hidden_is_left_out_and_what_differs_is_noted() {
 }
 
 #[test]
+fn shapes_that_no_one_sees_are_not_drawn() {
+    let seen = format!("<path {LINE} d=\"M1 1 L9 1\"/>");
+    for hidden in [
+        "fill=\"none\" stroke=\"black\" opacity=\"0\"",
+        "fill=\"none\" stroke=\"black\" stroke-opacity=\"0\"",
+        "fill=\"none\" stroke=\"transparent\"",
+        "fill-opacity=\"0\"",
+        "fill=\"none\" stroke=\"black\" display=\"none\"",
+        "fill=\"none\" stroke=\"black\" visibility=\"hidden\"",
+        "style=\"fill:none;stroke:#0000\"",
+    ] {
+        let drawn = of(&format!("{seen}<path {hidden} d=\"M2 20 L30 20 L30 9\"/>"));
+        assert_eq!(drawn.len(), 1, "{hidden}");
+        let group = format!("{seen}<g opacity=\"0\"><path {LINE} d=\"M2 20 L30 20\"/></g>");
+        assert_eq!(of(&group).len(), 1);
+    }
+    let half = "<path fill=\"none\" stroke=\"black\" stroke-opacity=\"0.5\" d=\"M2 20 L30 20\"/>";
+    assert_eq!(of(half).len(), 1);
+}
+
+#[test]
+fn characters_that_the_font_lacks_are_noted() {
+    let notes = |text: &str| {
+        let text = format!("<text x=\"5\" y=\"30\" font-size=\"9\">{text}</text>");
+        let job = read(&page(&text)).unwrap();
+        job.warnings
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(notes("Ağ").len(), 1);
+    assert!(
+        notes("日本")
+            .iter()
+            .any(|note| note.contains("DejaVu Sans lacks"))
+    );
+}
+
+#[test]
 fn files_that_are_no_svg_are_refused() {
     for text in [
         "<",
-        "<html></html>",
+        "<xml></xml>",
         "<svg",
         "<svg xmlns=\"http://www.w3.org/2000/svg\"/>",
     ] {
-        assert!(matches!(read(text), Err(JobError::Svg(_))), "{text}");
+        assert!(matches!(read(text), Err(JobError::Drawing(_))), "{text}");
     }
     let huge = format!("<path {LINE} d=\"M0 0 L2e6 0\"/>");
-    assert!(matches!(read(&page(&huge)), Err(JobError::Svg(_))));
+    assert!(matches!(read(&page(&huge)), Err(JobError::Drawing(_))));
 }
 
 #[test]
@@ -187,7 +226,7 @@ fn deeply_nested_groups_do_not_exhaust_a_small_stack() {
     let thread = std::thread::Builder::new().stack_size(1 << 18);
     let reader = thread.spawn(move || {
         assert_eq!(strokes(&read(&nested(1000)).unwrap()).len(), 1);
-        assert!(matches!(read(&nested(100_000)), Err(JobError::Svg(_))));
+        assert!(matches!(read(&nested(100_000)), Err(JobError::Drawing(_))));
     });
     reader.unwrap().join().unwrap();
 }

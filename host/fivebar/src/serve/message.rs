@@ -202,6 +202,8 @@ pub(super) struct JobMessage {
     pub(super) moves: usize,
     /// Its path.
     pub(super) strokes: Vec<Stroke>,
+    /// What of it is skipped, and how it is read where that is not certain.
+    pub(super) notes: Vec<String>,
     /// Why it cannot be done.
     pub(super) refusal: Option<String>,
     /// The position at which it is refused [m].

@@ -12,6 +12,9 @@ use fivebar_sim::measured_pose::measured_pose;
 use fivebar_sim::segment::segment;
 use nalgebra::Vector2;
 
+/// Most notes on a job that pages show.
+const MOST_NOTES: usize = 20;
+
 /// The poses that the arm reaches without a stretched leg or a crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Branch {
@@ -149,6 +152,12 @@ impl Preview {
             name: name.into(),
             // Without the approach, which is the program's own and has no line.
             moves: moves.iter().filter(|next| next.tag > 0).count(),
+            notes: job
+                .warnings
+                .iter()
+                .take(MOST_NOTES)
+                .map(|note| brief(note.to_string()))
+                .collect(),
             ..JobMessage::default()
         };
         let Some(mut from) = start.tool else {

@@ -6,20 +6,16 @@
 //! them. The tool is down along strokes; fills and widths of lines are not drawn.
 
 mod flatten;
-mod order;
 mod size;
 
-use super::motion::{MIN_LENGTH, within_reach};
-use super::{Action, Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
+use super::drawing::{self, Stroke};
+use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
 use flatten::Flattener;
 use std::sync::Arc;
 use usvg::{Group, Node, Options, Transform, Tree};
 
 /// Metres per pixel: an inch has 96 pixels in SVG.
 const PIXEL: f64 = 25.4e-3 / 96.0;
-
-/// A polyline [m].
-pub(super) type Stroke = Vec<[f64; 2]>;
 
 /// Stack for the thread that reads a drawing: usvg calls itself for each level of nested groups, of
 /// which there are up to a thousand.
@@ -31,7 +27,7 @@ pub(super) fn interpret(
     placement: &Placement,
     options: &JobOptions,
 ) -> Result<Job, JobError> {
-    let unread = |reason: String| JobError::Svg(format!("the SVG cannot be read: {reason}"));
+    let unread = |reason: String| JobError::Drawing(format!("the SVG cannot be read: {reason}"));
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK);
         let reader = thread.spawn_scoped(scope, || drawn(text, placement, options));
@@ -42,8 +38,9 @@ pub(super) fn interpret(
 }
 
 fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
-    let unread =
-        |error: usvg::Error| JobError::Svg(format!("the file is no SVG that can be read: {error}"));
+    let unread = |error: usvg::Error| {
+        JobError::Drawing(format!("the file is no SVG that can be read: {error}"))
+    };
     let parsing = usvg::roxmltree::ParsingOptions {
         allow_dtd: true,
         ..Default::default()
@@ -51,7 +48,7 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
     let document = usvg::roxmltree::Document::parse_with_options(text, parsing)
         .map_err(|error| unread(usvg::Error::ParsingFailed(error)))?;
     if let Some(reason) = size::refusal(&document) {
-        return Err(JobError::Svg(reason));
+        return Err(JobError::Drawing(reason));
     }
     let tree = Tree::from_xmltree(&document, &reading()).map_err(unread)?;
     let mut reader = Reader {
@@ -64,42 +61,13 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
         reader.note("images are left out: a tool draws lines only");
     }
     reader.group(tree.root())?;
-    let strokes = order::sorted(reader.strokes);
-    let mut job = Job {
-        is_drawing: true,
-        warnings: reader.notes,
-        ..Job::default()
-    };
-    let mut at: Option<[f64; 2]> = None;
-    for (number, stroke) in (1..).zip(&strokes) {
-        for (index, &point) in stroke.iter().enumerate() {
-            let [x, y] = placement.place(point);
-            let to = [checked(x)?, checked(y)?];
-            if at.is_some_and(|at| (to[0] - at[0]).hypot(to[1] - at[1]) < MIN_LENGTH) {
-                continue;
-            }
-            at = Some(to);
-            let draws = index > 0;
-            job.steps.push(Step {
-                line: 2 * number - u32::from(!draws),
-                tool: f64::from(u8::from(draws)),
-                action: Action::Line {
-                    to,
-                    feed: options.speed.filter(|_| draws),
-                },
-            });
-        }
-    }
+    let job = drawing::job([reader.strokes], reader.notes, placement, options)?;
     if job.steps.iter().any(Step::draws) {
         Ok(job)
     } else {
         let reason = "the SVG has no visible lines, shapes or texts to draw";
-        Err(JobError::Svg(reason.into()))
+        Err(JobError::Drawing(reason.into()))
     }
-}
-
-fn checked(coordinate: f64) -> Result<f64, JobError> {
-    within_reach(coordinate).map_err(|error| JobError::Svg(error.to_string()))
 }
 
 /// Texts are drawn in the built-in font, whatever font they name, and no other file is read.
@@ -129,12 +97,25 @@ impl Reader {
         if group.clip_path().is_some() || group.mask().is_some() {
             self.note("clips and masks do not cut the lines");
         }
+        if group.opacity().get() == 0.0 {
+            return Ok(());
+        }
         for node in group.children() {
             match node {
                 Node::Group(group) => self.group(group)?,
-                Node::Path(path) if path.is_visible() => self.path(path)?,
+                Node::Path(path) if is_seen(path) => self.path(path)?,
                 Node::Text(text) => {
                     self.note("texts are drawn as outlines of DejaVu Sans");
+                    let spans = text.layouted().iter();
+                    if spans
+                        .flat_map(|it| &it.positioned_glyphs)
+                        .any(|it| it.id.0 == 0)
+                    {
+                        self.note(
+                            "a text has characters that DejaVu Sans lacks, which become boxes: \
+                             convert it to paths",
+                        );
+                    }
                     self.group(text.flattened())?;
                 }
                 Node::Path(_) | Node::Image(_) => {}
@@ -164,7 +145,7 @@ impl Reader {
         let strokes = self.flattener.strokes(path.data().segments(), place);
         let strokes = strokes.ok_or_else(|| {
             let reason = "the SVG has too many points; simplify it, or scale it down";
-            JobError::Svg(reason.into())
+            JobError::Drawing(reason.into())
         })?;
         let metres = |point: [f64; 2]| point.map(|pixels| pixels * PIXEL);
         self.strokes.extend(
@@ -182,4 +163,12 @@ impl Reader {
             None => self.notes.push(Warning::at(0, kind)),
         }
     }
+}
+
+/// Whether a path has a fill or a stroke that is not transparent.
+fn is_seen(path: &usvg::Path) -> bool {
+    let fill = path.fill().map(usvg::Fill::opacity);
+    let stroke = path.stroke().map(usvg::Stroke::opacity);
+    let mut opacities = fill.into_iter().chain(stroke);
+    path.is_visible() && opacities.any(|opacity| opacity.get() > 0.0)
 }

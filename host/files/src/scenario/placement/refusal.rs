@@ -3,7 +3,7 @@
 use super::fit::{Fit, Kept};
 use super::outline::{Outline, first_too_large};
 use super::{Reach, Scenario};
-use crate::job::Job;
+use crate::job::{Job, is_drawing};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use std::fmt::Write as _;
 
@@ -32,7 +32,8 @@ impl Scenario {
             Some(line) => self.named(line, "the drawing becomes larger than the arm has room for"),
             None => match self.first_out_of_reach(&job, &reach, error.tag) {
                 Some((line, [x, y])) => {
-                    let why = format!("the tool cannot reach the point at ({x:.6}, {y:.6}) m");
+                    let [x, y] = [x, y].map(|metres| 1e3 * metres);
+                    let why = format!("the tool cannot reach the point at ({x:.3}, {y:.3}) mm");
                     self.named(line, &why)
                 }
                 None => self.named(error.tag, &error.to_string()),
@@ -118,8 +119,7 @@ impl Scenario {
 
     /// A reason with the place in the job's file to which it belongs.
     pub fn named(&self, tag: u32, reason: &str) -> String {
-        let text = self.job_text.trim_start_matches('\u{FEFF}').trim_start();
-        let place = place_in_job(text.starts_with('<'), tag);
+        let place = place_in_job(is_drawing(&self.job_text), tag);
         format!("{}, {place}: {reason}", self.job_file)
     }
 }

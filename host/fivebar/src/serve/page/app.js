@@ -212,6 +212,12 @@ function place([x, y], scale, degrees) {
   send({ place: { about, by: [x, y], scale, turn: degrees * DEGREE } });
 }
 
+// The text of a file; one that gzip has compressed, such as .svgz, is decompressed.
+async function textOf(file) {
+  const [first, second] = new Uint8Array(await file.slice(0, 2).arrayBuffer());
+  if (first !== 0x1f || second !== 0x8b) return file.text();
+  return new Response(file.stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
 const load = (name, text) => send({ load: { name, text } });
 
 function setGrab(on) {
@@ -299,7 +305,7 @@ at("map").onchange = () => {
 };
 at("file").onchange = async () => {
   const [file] = at("file").files;
-  if (file) load(file.name, await file.text());
+  if (file) load(file.name, await textOf(file));
 };
 // While the browser's window to choose a file is open, it takes the keys.
 at("file").onclick = (event) => {

@@ -84,6 +84,7 @@ export function nextStep(state, job, fault, watching) {
       if (state.left !== null) return ["The job begins.", "stop", "Stop"];
       if (held) return [`${held.trim()} Resume it with the marked button, or run it from the start.`, null, "Show it", "resume"];
       if (!job) return ["The motors hold the arm. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
+      if (job.refusal && !job.moves) return [`${job.name} cannot be read: the reason is at Job. Open another file.`, "demonstration", "Load demonstration"];
       if (job.refusal) return [`${job.name} does not fit as it lies: move it, make it smaller or turn it.`, "grab", "Move drawing"];
       return [`${job.name} fits. Run it.`, "run", "Run job"];
   }
@@ -137,8 +138,9 @@ export function showFault(fault) {
 }
 
 export function showJob(job) {
-  put("job", job.refusal
+  const notes = job.notes.map((note) => `\nNote: ${note}.`).join("");
+  put("job", (job.refusal
     ? `${job.name} is refused. ${job.refusal}`
-    : `${job.name}: ${job.moves} moves, all within the arm's limits.`);
+    : `${job.name}: ${job.moves} moves, all within the arm's limits.`) + notes);
   at("job").classList.toggle("refused", job.refusal !== null);
 }

@@ -1,17 +1,18 @@
 //! The order of strokes: each stroke is followed by the one with the nearest end, which is drawn
-//! from there. The first one is nearest to (0, 0).
+//! from there.
 //!
 //! The ends lie in a tree that halves them by x and y in turns. It is halved by their number, so that it
 //! stays flat wherever they lie: a grid would hold thousands of strokes at one point in one cell.
 
-use super::Stroke;
+use super::drawing::Stroke;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-pub(super) fn sorted(mut strokes: Vec<Stroke>) -> Vec<Stroke> {
+/// The strokes with the one nearest to `from` first.
+pub(super) fn sorted(mut strokes: Vec<Stroke>, from: [f64; 2]) -> Vec<Stroke> {
     strokes.retain(|stroke| !stroke.is_empty());
     let mut tree = EndTree::new(&strokes);
-    let mut at = [0.0; 2];
+    let mut at = from;
     let mut sorted = Vec::with_capacity(strokes.len());
     while let Some(End {
         stroke, is_last, ..
@@ -162,7 +163,7 @@ mod tests {
         let far = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).hypot(b - d);
         let mut left = strokes.clone();
         let mut at = [0.0; 2];
-        for stroke in sorted(strokes) {
+        for stroke in sorted(strokes, [0.0; 2]) {
             let start = stroke[0];
             let nearest = left
                 .iter()
@@ -193,7 +194,7 @@ mod tests {
             let stroke = |index| vec![place(index), place(index).map(|x| x + 1e-4)];
             let strokes: Vec<_> = (0..20_000).map(stroke).collect();
             let started = std::time::Instant::now();
-            assert_eq!(sorted(strokes).len(), 20_000);
+            assert_eq!(sorted(strokes, [0.0; 2]).len(), 20_000);
             started.elapsed()
         });
         assert!(took[1].max(took[2]) < 20 * took[0], "{took:?}");

@@ -1,0 +1,99 @@
+//! HPGL plots: pens, units, arcs, and what is refused.
+
+use crate::placed::{AS_WRITTEN, job};
+use fivebar_files::job::{Action, Job, Step};
+
+/// The strokes [mm].
+fn strokes(text: &str) -> Vec<Vec<[f64; 2]>> {
+    let mut strokes: Vec<Vec<[f64; 2]>> = Vec::new();
+    for Step { tool, action, .. } in job(text).steps {
+        let Action::Line { to, .. } = action else {
+            panic!("{action:?}");
+        };
+        let to = to.map(|metres| (1e9 * metres).round() / 1e6);
+        match (strokes.last_mut(), tool > 0.0) {
+            (Some(stroke), true) => stroke.push(to),
+            _ => strokes.push(vec![to]),
+        }
+    }
+    strokes
+}
+
+fn refused(text: &str) -> String {
+    Job::parse(text, &AS_WRITTEN).unwrap_err().to_string()
+}
+
+#[test]
+fn lines_are_in_units_of_25_micrometres_absolute_and_relative() {
+    let square = [[10.0, 5.0], [20.0, 5.0], [20.0, 15.0], [10.0, 5.0]];
+    for text in [
+        "IN;SP1;PU400,200;PD800,200,800,600,400,200;PU;SP0;",
+        "IN;SP1;PU400,200;PD800,200;PD800,600;PD400,200;PU0,0;SP0;",
+        "in;sp1;pa400,200;pd;pa800 200 800 600\npa400 200;pu;",
+        "IN;SP1;PA;PU400 200;PR;PD400,0,0,400;PD-400,-400;PU;",
+        "\u{1B}.(\u{1B}.I81;;17:\u{1B}%0BINSP1PU400,200PD800,200,800,600,400,200PUSP0",
+        "IN;IP0,0,4000,4000;SC0,100,0,100;SP1;PU10,5;PD20,5,20,15,10,5;PU;",
+        "IN;SP1;DT#;LBa;b#;PU400,200;PD800,200,800,600,400,200;",
+        "IN;SP0;PU0,0;PD9,9;SP2;PU400,200;PD800,200,800,600,400,200;",
+    ] {
+        assert_eq!(strokes(text), [square.to_vec()], "{text}");
+    }
+    let rectangle = strokes("IN;SP1;PU400,200;EA800,600;");
+    let [a, b, c, d] = [[10.0, 5.0], [20.0, 5.0], [20.0, 15.0], [10.0, 15.0]];
+    assert_eq!(rectangle, [vec![a, b, c, d, a]]);
+}
+
+#[test]
+fn circles_and_arcs_are_lines_within_the_tolerance() {
+    let far = |[x, y]: [f64; 2]| ((x - 50.0).hypot(y - 40.0) - 20.0).abs();
+    let circle = strokes("IN;SP1;PD;PU2000,1600;CI800;PU;");
+    assert_eq!(circle.len(), 1);
+    assert!(circle[0].len() > 60 && circle[0].iter().all(|&point| far(point) < 1e-5));
+    let middles = circle[0]
+        .windows(2)
+        .map(|ends| [0, 1].map(|axis| 0.5 * (ends[0][axis] + ends[1][axis])));
+    assert!(middles.map(far).all(|far| far < 0.026));
+    let arc = strokes("IN;SP1;PU2000,800;PD;AA2000,1600,90;PU;");
+    assert_eq!(
+        (arc[0][0], arc[0].last().unwrap()),
+        ([50.0, 20.0], &[70.0, 40.0])
+    );
+    // The stroke is drawn from its end, which is nearer to (0, 0).
+    let clockwise = strokes("IN;SP1;PU2000,800;PD;AR0,800,-90;PD0,0");
+    assert_eq!(clockwise[0][1], [30.0, 40.0]);
+}
+
+#[test]
+fn pens_are_drawn_one_after_the_other_and_noted() {
+    let plot = job("IN;SP2;PU0,0;PD40,0;SP1;PU400,0;PD440,0;SP2;PU80,0;PD120,0;SP0;");
+    let ends: Vec<_> = plot
+        .steps
+        .iter()
+        .filter_map(|step| step.action.end())
+        .collect();
+    let x: Vec<_> = ends.iter().map(|[x, _]| (1e3 * x).round()).collect();
+    assert_eq!(x, [0.0, 1.0, 2.0, 3.0, 10.0, 11.0]);
+    let note = plot.warnings[0].to_string();
+    assert!(
+        note.starts_with("pens 2, 1 are drawn one after the other"),
+        "{note}"
+    );
+}
+
+#[test]
+fn what_would_be_drawn_otherwise_is_refused_with_its_command() {
+    for (text, what) in [
+        ("IN;SP1;PD0,0,40;", "command 3, PD: a coordinate is missing"),
+        ("IN;SP1;PE<=?;", "command 3, PE: it is not read"),
+        ("IN;SC0,1,0,1;", "P1 and P2"),
+        ("IN;SP1;RO90;PD9,9", "--rotate"),
+        ("IN;SP1;PD1x,2", "command 3, PD"),
+        ("IN;SP1;ZZ4;", "command 3, ZZ: it is no command"),
+        ("IN;SP999;", "from 0 to 255"),
+        ("IN;SP1;PD99999999999,0;", "out of reach"),
+        ("IN;SP1;PU5,5;", "draws nothing"),
+    ] {
+        let why = refused(text);
+        assert!(why.contains(what), "{text}: {why}");
+    }
+}
