@@ -171,7 +171,7 @@ fn a_log_that_cannot_be_written_is_refused_before_the_run() {
 fn invalid_jobs_are_refused_with_their_line() {
     let bench = Bench::new();
     for (text, words) in [
-        ("", ["job.gcode", "no motion"]),
+        ("", ["job.gcode", "an empty file"]),
         ("G21\nM3\nM5\n", ["job.gcode", "no motion"]),
         ("G21\nG1 X10 F600\nG38.2 X0\n", ["line 3", "G38.2"]),
         ("G21\nG1 Xnan Y0 F600\n", ["line 2", "job.gcode"]),
