@@ -53,5 +53,6 @@ pub use mixed::{KindResult, MixedCalibration, calibrate_mixed};
 pub use parameters::{PARAMETER_NAMES, Parameters};
 pub use plate::{Calibration, calibrate};
 pub use poses::{Proposal, propose};
+pub use start::rigid;
 pub use tip::{Tip, tip};
 pub use tip_error::{TipError, tip_error, tip_error_before, tip_error_best_placed};

@@ -65,7 +65,18 @@ pub(super) fn placed(
 
 /// The turn and shift that bring the second points nearest to the first ones: with points a and b
 /// about their middles, φ = atan2(Σ b×a, Σ b·a). None without points.
-pub(super) fn rigid(pairs: &[(Vector2<f64>, Vector2<f64>)]) -> Option<Isometry2<f64>> {
+///
+/// ```
+/// use fivebar_design::calibration::rigid;
+/// use nalgebra::{Isometry2, Vector2};
+///
+/// let placed = Isometry2::new(Vector2::new(0.01, -0.02), 0.3);
+/// let drawn = [Vector2::new(0.0, 0.1), Vector2::new(0.05, 0.2), Vector2::new(-0.03, 0.15)];
+/// let pairs = drawn.map(|point| ((placed * nalgebra::Point2::from(point)).coords, point));
+/// let found = rigid(&pairs).unwrap();
+/// assert!((found.rotation.angle() - 0.3).abs() < 1e-12);
+/// ```
+pub fn rigid(pairs: &[(Vector2<f64>, Vector2<f64>)]) -> Option<Isometry2<f64>> {
     let per_count = (!pairs.is_empty()).then(|| 1.0 / pairs.len() as f64)?;
     let to = pairs.iter().map(|(a, _)| a).sum::<Vector2<f64>>() * per_count;
     let from = pairs.iter().map(|(_, b)| b).sum::<Vector2<f64>>() * per_count;

@@ -93,7 +93,7 @@ pub fn tip_error_before(
     };
     let pairs: Option<Vec<_>> = reached(nominal, home).into_iter().map(pair).collect();
     let pairs = pairs?;
-    let placement = super::start::rigid(&pairs)?;
+    let placement = super::rigid(&pairs)?;
     let error = |(wanted, real): &(Vector2<f64>, Vector2<f64>)| {
         (
             *wanted,

@@ -31,6 +31,8 @@ pub struct Record {
     pub job_time: Option<f64>,
     /// Tip error during the job.
     pub tip_error: TipError,
+    /// What is left of it after the best shift and turn of the whole drawing, over the trace's samples.
+    pub tip_error_placed: TipError,
     /// Greatest torque of each motor, at its joint [N·m].
     pub peak_torque: [f64; 2],
     /// Ticks of the job in which a torque was limited.
@@ -220,6 +222,10 @@ impl<'a, T: Target> Simulation<'a, T> {
         let simulated = self.now();
         let mut record = self.record;
         record.simulated = simulated;
+        let end = record.job_time.unwrap_or_default();
+        let samples = record.trace.samples();
+        let of_job = samples.partition_point(|sample| sample.time <= end);
+        record.tip_error_placed = TipError::placed(&samples[..of_job]);
         if self.job.ticks > 0 {
             record.tip_error.rms_m = (self.job.squares / self.job.ticks as f64).sqrt();
         }

@@ -240,6 +240,7 @@ impl Simulate for Scenario {
             wall_s: started.elapsed().as_secs_f64(),
             ticks: record.ticks,
             tip_error: record.tip_error,
+            tip_error_placed: record.tip_error_placed,
             peak_torque_nm: record.peak_torque,
             saturated_ticks: record.saturated_ticks,
             job_s: record.job_time,

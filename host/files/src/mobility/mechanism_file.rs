@@ -89,8 +89,17 @@ enum JointEntry {
     },
 }
 
+/// The sine between two axes up to which they count as parallel.
+const PARALLEL: f64 = 1e-6;
+
 impl JointEntry {
-    fn joint(&self, from: usize, to: usize) -> Joint {
+    /// `name` says which joint it is.
+    fn joint(
+        &self,
+        from: usize,
+        to: usize,
+        name: impl FnOnce() -> String,
+    ) -> Result<Joint, DescriptionError> {
         let line = |axis: &[f64; 3], point: &[f64; 3]| {
             Freedom::Screw(Screw::line(Vector3::from(*axis), Vector3::from(*point)))
         };
@@ -108,6 +117,9 @@ impl JointEntry {
                 pitch,
                 actuated,
             } => {
+                if !pitch.is_finite() {
+                    return Err(DescriptionError::InfinitePitch(name()));
+                }
                 let screw = Screw::helix(Vector3::from(*axis), Vector3::from(*point), *pitch);
                 (vec![Freedom::Screw(screw)], *actuated)
             }
@@ -121,7 +133,14 @@ impl JointEntry {
                 axis2,
                 point,
                 actuated,
-            } => (vec![line(axis, point), line(axis2, point)], *actuated),
+            } => {
+                let axes = [axis, axis2].map(|axis| Vector3::from(*axis));
+                let sizes = axes[0].norm() * axes[1].norm();
+                if axes[0].cross(&axes[1]).norm() <= PARALLEL * sizes {
+                    return Err(DescriptionError::ParallelAxes(name()));
+                }
+                (vec![line(axis, point), line(axis2, point)], *actuated)
+            }
             Self::S { point } => {
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
                 (axes.iter().map(|axis| line(axis, point)).collect(), false)
@@ -138,12 +157,12 @@ impl JointEntry {
                 (vec![freedom], *actuated)
             }
         };
-        Joint {
+        Ok(Joint {
             from,
             to,
             freedoms,
             actuated,
-        }
+        })
     }
 }
 
@@ -172,6 +191,10 @@ enum DescriptionError {
     UnknownPlatform(String),
     #[error("no joint names the body {GROUND:?}: connect a body to it")]
     NoGround,
+    #[error("{0}: the two axes of a universal joint (U) must cross; for parallel ones use one R")]
+    ParallelAxes(String),
+    #[error("{0}: `pitch` must be finite; a joint that only slides is a P")]
+    InfinitePitch(String),
     #[error(transparent)]
     Mechanism(#[from] MechanismError),
 }
@@ -191,8 +214,14 @@ fn parallel(limbs: &[LimbEntry], platform: Option<&str>) -> Result<Mechanism, De
     }
     let limbs = limbs
         .iter()
-        .map(|limb| limb.joints.iter().map(|joint| joint.joint(0, 0)).collect())
-        .collect();
+        .zip(1..)
+        .map(|(limb, number)| {
+            let joints = limb.joints.iter().zip(1..);
+            joints
+                .map(|(joint, at)| joint.joint(0, 0, || format!("limb {number}, joint {at}")))
+                .collect()
+        })
+        .collect::<Result<_, _>>()?;
     Ok(Mechanism::Parallel(ParallelMechanism::new(limbs)?))
 }
 
@@ -214,13 +243,44 @@ fn graph(entries: &[GraphEntry], platform: Option<&str>) -> Result<Mechanism, De
         .ok_or_else(|| DescriptionError::UnknownPlatform(platform.into()))?;
     let joints = entries
         .iter()
-        .map(|entry| {
-            let [from, to] = &entry.between;
-            entry
-                .joint
-                .joint(bodies[from.as_str()], bodies[to.as_str()])
+        .zip(1..)
+        .map(|(entry, number)| {
+            let [from, to] = entry.between.each_ref().map(|body| bodies[body.as_str()]);
+            entry.joint.joint(from, to, || format!("joint {number}"))
         })
-        .collect();
+        .collect::<Result<_, _>>()?;
     let graph = MechanismGraph::new(bodies.len(), platform, joints)?;
     Ok(Mechanism::Graph(graph))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mobility::parse;
+
+    /// Why a limb with this joint is refused.
+    fn refusal(joint: &str) -> String {
+        let text = format!("name = \"one limb\"\n[[limb]]\njoints = [{joint}]\n");
+        let refused = parse("limb.toml", &text);
+        refused.err().expect("a refusal").to_string()
+    }
+
+    #[test]
+    fn a_universal_joint_needs_axes_that_cross() {
+        let axis2 = "point = [0, 0, 0], axis = [0, 0, 1], axis2";
+        let message = refusal(&format!("{{ kind = \"U\", {axis2} = [0, 0, -3] }}"));
+        assert!(
+            message.contains("limb 1, joint 1: the two axes"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn an_infinite_pitch_is_told_from_a_bad_axis() {
+        let screw = "{ kind = \"H\", point = [0, 0, 0], axis = [0, 0, 1], pitch = inf }";
+        let message = refusal(screw);
+        assert!(
+            message.contains("limb 1, joint 1: `pitch` must be finite"),
+            "{message}"
+        );
+    }
 }

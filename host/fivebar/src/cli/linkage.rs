@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Computes motion and forces of a planar linkage, dyad by dyad.
 ///
-/// Without FILE, lists the built-in examples.
+/// Without FILE, lists the built-in examples. The status is 1 if the linkage never closes.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A linkage in TOML, or the name of an example.
@@ -49,6 +49,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         say(&json)?;
     } else {
         print(&summary, &args.out)?;
+    }
+    if summary.closed == 0 {
+        return Err(refused(format_args!(
+            "{file}: the linkage closes at no instant of the sweep: check `lengths`, the drive's angles and `branch`"
+        )));
     }
     Ok(())
 }

@@ -12,7 +12,8 @@ use std::io::{self, IsTerminal};
 /// "motion", "inverse_dynamics" or "forward_dynamics". Each query gets one line, in the same
 /// order: the answer, or {"error": "unreachable" | "singular" | "invalid", "message": …}. For
 /// a file with mechanism = "slider" the "op" is "forward", "inverse", "motion",
-/// "inverse_motion", "error_transfer" or "reach".
+/// "inverse_motion", "error_transfer" or "reach". Torques are those of masses, payload, gravity and
+/// rotors; the friction of the robot file is not in them.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A built-in robot or a robot file.

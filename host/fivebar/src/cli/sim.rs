@@ -168,6 +168,10 @@ fn print_errors(summary: &Summary) -> Result<(), Failure> {
         format!("{rms} RMS, {max} max")
     };
     say(format_args!("  tip error   {}", figures(summary.tip_error)))?;
+    say(format_args!(
+        "  placed      {}, after the best shift and turn",
+        figures(summary.tip_error_placed)
+    ))?;
     let Some(pid) = summary.pid_tip_error else {
         return Ok(());
     };

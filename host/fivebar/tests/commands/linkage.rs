@@ -24,6 +24,21 @@ fn the_examples_are_listed_if_none_is_named() {
 }
 
 #[test]
+fn a_linkage_that_never_closes_ends_with_status_1_and_the_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("short.toml");
+    let text = include_str!("../../../files/linkages/four_bar.toml");
+    let text = text.replace("lengths = [0.30, 0.25]", "lengths = [0.05, 0.05]");
+    std::fs::write(&file, text).unwrap();
+    let out = folder.path().join("out");
+    let output = linkage(&[file.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("closes at no instant") && message.contains("check `lengths`"));
+    assert!(read(&out, "summary.json").contains("\"closed\": 0"));
+}
+
+#[test]
 fn the_report_the_table_and_the_summary_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();

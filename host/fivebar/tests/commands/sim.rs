@@ -40,6 +40,8 @@ fn the_tip_error_is_below_3_5_micrometres_and_below_that_of_pid_with_feed_forwar
     assert!(rms <= 3.5e-6, "{rms} m");
     assert!(pid >= 1.1 * rms, "PID {pid} m, computed torque {rms} m");
     assert!(summary["tip_error"]["max_m"].as_f64().unwrap() >= rms);
+    let placed = summary["tip_error_placed"]["rms_m"].as_f64().unwrap();
+    assert!((0.3 * rms..1.01 * rms).contains(&placed), "{placed} m");
     assert_eq!(summary["robot"], "benchtop");
     assert_eq!(summary["scenario"], "petal");
     assert_eq!(summary["faults"], serde_json::json!([]));
