@@ -177,6 +177,8 @@ pub enum WarningKind {
         /// S with the pen up.
         up: f64,
     },
+    /// The travel after the last stroke is left out.
+    Parking,
     /// No word moves or switches the tool.
     NoToolWords,
     /// Speeds above this one [m/s], the arm's greatest.
@@ -263,6 +265,12 @@ impl fmt::Display for Warning {
                     "S{down} is taken as pen down and S{up} as pen up, because the arm mostly \
                      travels at S{up}; down_s and up_s in [tool_output] of the robot file decide \
                      otherwise"
+                );
+            }
+            WarningKind::Parking => {
+                return f.write_str(
+                    "the travel from here on is left out, because the arm cannot do it and nothing \
+                     is drawn behind it",
                 );
             }
             WarningKind::NoToolWords => {

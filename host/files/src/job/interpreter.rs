@@ -110,6 +110,11 @@ pub(super) struct Interpreter {
     pub(super) zero: [f64; 2],
     /// The end of the last motion as placed [m]; none before the first.
     pub(super) placed: Option<[f64; 2]>,
+    /// Whether the coordinates go on at X0 Y0 after G28, as printers and slicers have it; else they go
+    /// on where home is.
+    pub(super) homes_to_zero: bool,
+    /// Whether the tool is at home while the coordinates are at X0 Y0.
+    pub(super) is_home: bool,
 }
 
 impl Interpreter {
@@ -125,6 +130,8 @@ impl Interpreter {
             position: [0.0; 2],
             zero: [0.0; 2],
             placed: None,
+            homes_to_zero: true,
+            is_home: false,
         }
     }
 
@@ -233,7 +240,7 @@ impl Interpreter {
         };
         let [elbow1, elbow4] = sides;
         let mode = WorkingMode::new(side(elbow1)?, side(elbow4)?);
-        self.approach()?;
+        self.begin()?;
         self.push(number, 0.0, Action::ChangeMode(mode));
         Ok(())
     }
@@ -246,7 +253,7 @@ impl Interpreter {
         if !(time > 0.0 && time.is_finite()) {
             return Err(GcodeError::Crossing);
         }
-        self.approach()?;
+        self.begin()?;
         let from = if self.modes.relative {
             self.position
         } else {
@@ -302,7 +309,12 @@ impl Interpreter {
         self.job.depends_on_home = true;
         self.position = self.placement.unplace(self.placement.home);
         let tool = self.tool.level(&self.rules, Activity::Rapid);
-        self.go(number, tool, None)
+        self.go(number, tool, None)?;
+        if self.homes_to_zero {
+            self.position = [0.0; 2];
+            self.is_home = true;
+        }
+        Ok(())
     }
 
     /// G92: gives the tool's present position these coordinates.

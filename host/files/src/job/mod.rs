@@ -305,6 +305,31 @@ impl Job {
         moved
     }
 
+    /// The job without the travel after its last stroke, which is noted; none if there is none. A
+    /// pause and a change of mode stay.
+    pub(crate) fn without_parking(&self) -> Option<Self> {
+        let last = self.steps.iter().rposition(Step::draws)?;
+        let parking = self.steps.get(last + 1..)?;
+        let is_travel = |step: &Step| matches!(step.action, Action::Line { .. });
+        let first = parking.iter().find(|step| is_travel(step))?.line;
+        if !parking
+            .iter()
+            .all(|step| is_travel(step) || matches!(step.action, Action::Dwell { .. }))
+        {
+            return None;
+        }
+        let mut job = self.clone();
+        job.steps.truncate(last + 1);
+        let rests = parking.iter().filter(|step| !is_travel(step));
+        job.steps.extend(rests);
+        let steps = job.steps.len();
+        for stop in &mut job.stops {
+            stop.before = stop.before.min(steps);
+        }
+        job.note(first, WarningKind::Parking);
+        Some(job)
+    }
+
     /// The length of the path at the end of each step, with the tool at `from` before them [m].
     pub fn path_lengths(&self, from: [f64; 2]) -> Vec<f64> {
         let state = (from, 0.0);

@@ -159,12 +159,20 @@ impl Interpreter {
         self.go(number, second, feed)
     }
 
-    /// Takes the tool to the job's position, if no motion has brought it there: a job begins at
-    /// its X0 Y0. The way belongs to no line.
+    /// Takes the tool to the job's position before it draws, if no motion has brought it there: a
+    /// job begins at its X0 Y0, also after G28. The way belongs to no line.
     pub(super) fn approach(&mut self) -> Result<(), GcodeError> {
         match self.placed {
-            None => self.go(0, 0.0, None),
+            Some(_) if !self.is_home => Ok(()),
+            _ => self.go(0, 0.0, None),
+        }
+    }
+
+    /// Takes the tool to the job's X0 Y0, if nothing has moved it.
+    pub(super) fn begin(&mut self) -> Result<(), GcodeError> {
+        match self.placed {
             Some(_) => Ok(()),
+            None => self.approach(),
         }
     }
 
@@ -175,6 +183,7 @@ impl Interpreter {
         tool: f64,
         feed: Option<f64>,
     ) -> Result<(), GcodeError> {
+        self.is_home = false;
         let to = self.place(self.position)?;
         let length = self.placed.map_or(f64::INFINITY, |from| {
             (to[0] - from[0]).hypot(to[1] - from[1])

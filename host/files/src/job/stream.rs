@@ -21,8 +21,13 @@ pub struct JobStream {
 impl JobStream {
     /// A stream whose tool is at X0 Y0 of this placement.
     pub fn new(placement: &Placement, options: JobOptions) -> Self {
+        // The bridge reports the arm's place, so G28 does not change what it means.
+        let interpreter = Interpreter {
+            homes_to_zero: false,
+            ..Interpreter::new(placement, UNDECIDED)
+        };
         Self {
-            interpreter: Interpreter::new(placement, UNDECIDED),
+            interpreter,
             options,
         }
     }

@@ -71,7 +71,19 @@ fn g92_shifts_coordinates_and_g28_moves_home() {
     );
     assert_eq!(
         ends("G0 X1\nG28\nG91 G0 X1"),
-        [[1.0, 0.0], [50.0, 200.0], [51.0, 200.0]]
+        [[1.0, 0.0], [50.0, 200.0], [1.0, 0.0]]
+    );
+    // A slicer's purge line begins at the X0 that homing gives a printer.
+    assert_eq!(
+        ends("G28\nG1 Y-3 F1000\nG1 X60 E9\nG28\nG1 X5 E10"),
+        [
+            [50.0, 200.0],
+            [0.0, -3.0],
+            [60.0, -3.0],
+            [50.0, 200.0],
+            [0.0, 0.0],
+            [5.0, 0.0]
+        ]
     );
 }
 

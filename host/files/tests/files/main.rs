@@ -12,6 +12,7 @@ mod gcode_jobs;
 mod homing_keys;
 mod hpgl_plots;
 mod linkage_files;
+mod parking;
 mod placed;
 mod robot_faults;
 mod robot_files;

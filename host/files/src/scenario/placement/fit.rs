@@ -51,6 +51,7 @@ impl Scenario {
     pub fn fit_to_reach(&mut self, kept: Kept) -> Result<(), FitError> {
         // What is not valid has its own message.
         let job = self.placed([0.0; 2])?;
+        let job = job.without_parking().unwrap_or(job);
         self.origin = None;
         self.anywhere = true;
         let found = self.greatest_fit(&job, kept);
@@ -131,7 +132,7 @@ impl Scenario {
         let at_best = tried.at_best_point(&unplaced).ok();
         let is_there = at_best
             .and_then(|origin| tried.moved(&unplaced, &tried, origin))
-            .is_some_and(|job| tried.accepts(planner, &job));
+            .is_some_and(|job| tried.accepts_strokes(planner, &job));
         is_there || tried.search(reach, planner, &unplaced).is_some()
     }
 }

@@ -114,14 +114,13 @@ impl Scenario {
     }
 
     fn whole_job(&self) -> Result<Job, ScenarioError> {
-        if let Some(origin) = self.origin {
-            return self.placed(origin);
-        }
-        let unplaced = self.placed([0.0; 2])?;
-        let first = self.at_best_point(&unplaced)?;
-        let job = match self.moved(&unplaced, self, first) {
-            Some(job) => job,
-            None => self.placed(first)?,
+        let (job, unplaced) = match self.origin {
+            Some(origin) => (self.placed(origin)?, None),
+            None => {
+                let unplaced = self.placed([0.0; 2])?;
+                let first = self.at_best_point(&unplaced)?;
+                (self.moved_or_read(&unplaced, first)?, Some(unplaced))
+            }
         };
         let Some(mut planner) = self.planner() else {
             return Ok(job);
@@ -129,13 +128,31 @@ impl Scenario {
         if self.accepts(&mut planner, &job) {
             return Ok(job);
         }
-        match Reach::of(&self.robot).and_then(|reach| self.search(&reach, &mut planner, &unplaced))
+        if let Some(drawn) = job.without_parking()
+            && self.accepts(&mut planner, &drawn)
         {
-            Some(origin) => match self.moved(&unplaced, self, origin) {
-                Some(job) => Ok(job),
-                None => self.placed(origin),
-            },
-            None => Ok(job),
+            return Ok(drawn);
+        }
+        let (Some(unplaced), Some(reach)) = (unplaced, Reach::of(&self.robot)) else {
+            return Ok(job);
+        };
+        for unplaced in [Some(&unplaced), unplaced.without_parking().as_ref()] {
+            let Some(unplaced) = unplaced else { continue };
+            if let Some(origin) = self.search(&reach, &mut planner, unplaced) {
+                let job = self.moved_or_read(unplaced, origin)?;
+                return Ok(match self.accepts(&mut planner, &job) {
+                    true => job,
+                    false => job.without_parking().unwrap_or(job),
+                });
+            }
+        }
+        Ok(job)
+    }
+
+    fn moved_or_read(&self, unplaced: &Job, origin: [f64; 2]) -> Result<Job, ScenarioError> {
+        match self.moved(unplaced, self, origin) {
+            Some(job) => Ok(job),
+            None => self.placed(origin),
         }
     }
 
@@ -158,7 +175,7 @@ impl Scenario {
         }
         let mut fits = |origin: [f64; 2]| {
             let job = self.moved(unplaced, self, origin);
-            job.is_some_and(|job| self.accepts(planner, &job))
+            job.is_some_and(|job| self.accepts_strokes(planner, &job))
         };
         if fits(on_page) {
             return Some(on_page);
@@ -216,6 +233,14 @@ impl Scenario {
 
     fn accepts(&self, planner: &mut Planner, job: &Job) -> bool {
         self.verify(planner, job).is_ok()
+    }
+
+    /// Whether the arm can draw the job, with or without the travel after its last stroke.
+    fn accepts_strokes(&self, planner: &mut Planner, job: &Job) -> bool {
+        self.accepts(planner, job)
+            || job
+                .without_parking()
+                .is_some_and(|job| self.accepts(planner, &job))
     }
 
     /// Checks the moves of the job from home on.
