@@ -12,6 +12,7 @@ pub mod mobility;
 mod noise;
 pub mod servo;
 pub mod slider;
+pub mod synthesis;
 pub mod time_optimal;
 pub mod workspace;
 

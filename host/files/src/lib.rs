@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod accuracy_classes;
+pub mod design_spec;
 pub mod job;
 pub mod linkage;
 pub mod measurements;

@@ -59,6 +59,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "design",
+        &[
+            "fivebar design leg.toml --out out/leg",
+            "fivebar design leg.toml --seed 7 --json",
+        ],
+    ),
+    (
         "doctor",
         &[
             "fivebar doctor",

@@ -11,6 +11,7 @@ mod clearance;
 mod commission;
 mod completions;
 mod demo;
+mod design;
 mod doctor;
 mod drive;
 mod examples;
@@ -72,6 +73,7 @@ enum Command {
     Clear(settings::ClearArgs),
     Commission(commission::Args),
     Completions(completions::Args),
+    Design(design::Args),
     Doctor(doctor::Args),
     Drive(drive::Args),
     Export(export::Args),
@@ -113,6 +115,7 @@ pub fn main() -> ExitCode {
             Command::Clear(args) => settings::clear(&args),
             Command::Commission(args) => commission::run(&args),
             Command::Completions(args) => completions::run(&args),
+            Command::Design(args) => design::run(&args),
             Command::Doctor(args) => doctor::run(&args),
             Command::Drive(args) => drive::run(&args),
             Command::Export(args) => export::run(&args),

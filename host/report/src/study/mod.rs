@@ -11,4 +11,5 @@ pub mod mobility;
 pub mod plan;
 pub mod query;
 pub mod regions;
+pub mod synthesis;
 pub mod workspace;

@@ -7,6 +7,7 @@ mod identification;
 mod margins;
 mod mobility;
 mod quantity;
+mod synthesis;
 mod workspace;
 
 pub use calibration::{Calibrated, calibration, proposal};
@@ -17,4 +18,5 @@ pub use margins::margins;
 pub use mobility::explain;
 pub(crate) use mobility::steps;
 pub use quantity::quantity;
+pub use synthesis::synthesis;
 pub use workspace::workspace;

@@ -1,0 +1,112 @@
+//! Differential evolution in the unit cube: each generation mixes every candidate with one of the
+//! best and with the difference of two others, and keeps the better of both.
+//!
+//! All random numbers are drawn before the scores are computed, in parallel: the result depends on the
+//! seed alone.
+
+use crate::Noise;
+use rayon::prelude::*;
+
+/// Candidates for each dimension.
+const CANDIDATES: usize = 16;
+/// The share of the population whose members count as the best.
+const BEST: f64 = 0.15;
+/// The share of a candidate's numbers that are mixed.
+const CROSSOVER: f64 = 0.9;
+/// The least and greatest weight of a difference.
+const WEIGHT: [f64; 2] = [0.4, 0.9];
+/// The search ends where the scores of all candidates agree to this share.
+const AGREEMENT: f64 = 1e-7;
+
+/// The point of the unit cube with the greatest score that was found within `generations`.
+pub(super) fn maximise(
+    dimensions: usize,
+    generations: usize,
+    seed: u64,
+    score: impl Fn(&[f64]) -> f64 + Sync,
+) -> (Vec<f64>, f64) {
+    let mut noise = Noise::new(seed);
+    let count = CANDIDATES * dimensions.max(2);
+    let points: Vec<Vec<f64>> = (0..count)
+        .map(|_| (0..dimensions).map(|_| noise.uniform()).collect())
+        .collect();
+    let mut population: Vec<(Vec<f64>, f64)> = points
+        .into_par_iter()
+        .map(|point| {
+            let score = score(&point);
+            (point, score)
+        })
+        .collect();
+    let sort = |population: &mut Vec<(Vec<f64>, f64)>| {
+        population.sort_by(|a, b| b.1.total_cmp(&a.1));
+    };
+    sort(&mut population);
+    for _ in 0..generations {
+        let trials: Vec<Vec<f64>> = (0..count)
+            .map(|index| trial(&population, index, &mut noise))
+            .collect();
+        let scored: Vec<(Vec<f64>, f64)> = trials
+            .into_par_iter()
+            .map(|point| {
+                let score = score(&point);
+                (point, score)
+            })
+            .collect();
+        for (old, new) in population.iter_mut().zip(scored) {
+            if new.1 >= old.1 {
+                *old = new;
+            }
+        }
+        sort(&mut population);
+        let (best, worst) = (population[0].1, population[count - 1].1);
+        if best - worst <= AGREEMENT * best.abs() {
+            break;
+        }
+    }
+    population.swap_remove(0)
+}
+
+fn trial(population: &[(Vec<f64>, f64)], index: usize, noise: &mut Noise) -> Vec<f64> {
+    let count = population.len();
+    let mut any = |of: usize| ((noise.uniform() * of as f64) as usize).min(of - 1);
+    let best = &population[any((BEST * count as f64).ceil() as usize)].0;
+    let (a, b) = (&population[any(count)].0, &population[any(count)].0);
+    let own = &population[index].0;
+    let always = any(own.len());
+    let weight = WEIGHT[0] + (WEIGHT[1] - WEIGHT[0]) * noise.uniform();
+    (0..own.len())
+        .map(|i| {
+            if noise.uniform() > CROSSOVER && i != always {
+                return own[i];
+            }
+            let mixed = own[i] + weight * (best[i] - own[i]) + weight * (a[i] - b[i]);
+            // Onto the boundary, where constraints on lengths often hold.
+            mixed.clamp(0.0, 1.0)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::maximise;
+
+    #[test]
+    fn it_finds_a_peak_on_a_face_of_the_cube() {
+        let score = |x: &[f64]| -(x[0] + 0.2).powi(2) - (x[1] - 0.3).powi(2) - (x[2] - x[1]).abs();
+        let (point, _) = maximise(3, 300, 1, score);
+        for (found, expected) in point.iter().zip([0.0, 0.3, 0.3]) {
+            assert!((found - expected).abs() < 1e-3, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn the_result_is_that_of_the_seed_on_any_number_of_threads() {
+        let score = |x: &[f64]| -x.iter().map(|x| (x - 0.4).powi(2)).sum::<f64>();
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| maximise(4, 40, 7, score))
+        };
+        assert_eq!(on(1), on(3));
+        assert_ne!(on(1), maximise(4, 40, 8, score));
+    }
+}

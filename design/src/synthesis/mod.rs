@@ -1,0 +1,164 @@
+//! Which lengths to build: the arm whose work area is the largest, or which is the smallest for a work
+//! area, with 1/κ ≥ k at each point of it.
+//!
+//! 1/κ = σmin/σmax of the Jacobian. A known answer: of the symmetric coaxial arms (cranks a, couplers b,
+//! a + b = L) the widest ring with 1/κ ≥ k = tan ψ0 has a = b cos ψ0 and the width
+//! 2 L √cos 2ψ0/(1 + cos ψ0).
+//!
+//! A design is a base, the shares of its links and a place of the area. For these the size of the area,
+//! or the sum of the links, follows by bisection, because smaller areas at the same place lie in larger
+//! ones; differential evolution searches the rest. The samples of the search prove nothing:
+//! [`Synthesis::proof`] is by interval arithmetic.
+
+mod area;
+mod condition;
+mod evolution;
+mod interval;
+mod problem;
+mod proof;
+mod whole;
+
+pub use area::Area;
+pub use proof::Proof;
+
+use core::fmt;
+use problem::Problem;
+
+/// What is wanted of an arm. Its elbows turn outwards: `working_mode = ["right", "left"]` in robot files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Specification {
+    /// Whether both legs are equal.
+    pub symmetric: bool,
+    /// Least and greatest base [m].
+    pub base: [f64; 2],
+    /// Greatest sum of the links of a leg and half the base [m].
+    pub link_sum: f64,
+    /// The shape of the work area.
+    pub area: Area,
+    /// Least 1/κ in the area, above 0.
+    pub dexterity: f64,
+    /// Least |sin| of the angles at the elbows and at C in the area.
+    pub sine: f64,
+    /// What is sought.
+    pub objective: Objective,
+    /// Designs of the front, the best being the first; the others have more dexterity.
+    pub front: usize,
+}
+
+/// What is sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Objective {
+    /// The largest area within the sum of the links.
+    Size,
+    /// The least sum of the links for an area of this size [m].
+    LinkSum(f64),
+    /// The greatest 1/κ in an area of this size [m].
+    Dexterity(f64),
+}
+
+/// An arm with its work area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Design {
+    /// l1…l4 and the base [m].
+    pub lengths: [f64; 5],
+    /// The size of the area [m].
+    pub size: f64,
+    /// The area's place from the middle of the base [m].
+    pub place: [f64; 2],
+    /// The least 1/κ found in the area.
+    pub dexterity: f64,
+}
+
+impl Design {
+    /// The links of the longer leg and half the base [m].
+    pub fn link_sum(&self) -> f64 {
+        let [l1, l2, l3, l4, base] = self.lengths;
+        (l1 + l2).max(l3 + l4) + 0.5 * base
+    }
+}
+
+/// The answer to a specification.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Synthesis {
+    /// The best design.
+    pub best: Design,
+    /// The best one with lengths in whole millimetres, where the base's range has one; to be checked
+    /// like any other design.
+    pub whole: Design,
+    /// Designs for more and more dexterity, the best being the first.
+    pub front: Vec<Design>,
+    /// How much 1/κ changes per length of l1…l4 and the base [1/m], at the worst point of the best
+    /// design's area; the greater loss of a longer and a shorter link.
+    pub sensitivity: [f64; 5],
+    /// How often the area of an arm was examined.
+    pub evaluations: u64,
+    /// Whether the best design is free of singularities in its area.
+    pub proof: Proof,
+    /// The same for whole millimetres.
+    pub whole_proof: Proof,
+}
+
+/// Why there is no design.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SynthesisError {
+    /// None was found; the best candidate falls short of 1/κ or of the sine by this much.
+    NotFound(f64),
+}
+
+impl fmt::Display for SynthesisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::NotFound(short) = self;
+        write!(
+            f,
+            "no arm was found; the best candidate falls short of `dexterity` or `sine` by {short:.3}: \
+             allow a longer `link_sum`, a wider range of `base`, or require less"
+        )
+    }
+}
+
+impl core::error::Error for SynthesisError {}
+
+/// Proves an arm of these lengths [m], elbows out, free of singularities in an area of this size [m] at a
+/// place from the middle of its base [m].
+pub fn prove(lengths: [f64; 5], area: &Area, size: f64, place: [f64; 2]) -> Proof {
+    proof::prove(lengths, area, area::Placed { size, place })
+}
+
+/// Searches the best arm. The result depends on the seed, not on the number of threads. `progress`
+/// receives the share that is done.
+///
+/// # Errors
+/// No arm that meets the requirements was found.
+pub fn synthesise(
+    specification: &Specification,
+    seed: u64,
+    progress: &dyn Fn(f64),
+) -> Result<Synthesis, SynthesisError> {
+    let problem = Problem::new(specification);
+    let designs = specification.front.max(1);
+    let mut front = Vec::new();
+    for index in 0..designs {
+        progress(index as f64 / (designs + 1) as f64);
+        let share = index as f64 / designs as f64;
+        let dexterity = specification.dexterity + share * (1.0 - specification.dexterity);
+        match problem.requiring(dexterity).solve(seed) {
+            Ok(design) => front.push(design),
+            Err(error) if index == 0 => return Err(error),
+            Err(_) => break,
+        }
+    }
+    progress(designs as f64 / (designs + 1) as f64);
+    let best = front[0];
+    let whole = problem.in_whole_millimetres(&best, seed);
+    Ok(Synthesis {
+        best,
+        whole,
+        front,
+        sensitivity: problem.sensitivity(&best),
+        proof: problem.prove(&best),
+        whole_proof: problem.prove(&whole),
+        evaluations: problem.evaluations(),
+    })
+}

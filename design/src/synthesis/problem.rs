@@ -1,0 +1,337 @@
+//! A specification as a search: candidates, their scores, and the best of them examined closely.
+
+use super::area::{Density, Placed, Samples};
+use super::condition::condition;
+use super::evolution::maximise;
+use super::proof::{self, Proof};
+use super::{Area, Design, Objective, Specification, SynthesisError};
+use nalgebra::Vector2;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Generations of the search, and of the second one beside its result with the samples of the check.
+const GENERATIONS: usize = 120;
+const CHECK_GENERATIONS: usize = 40;
+/// The width of the second search.
+const BESIDE: f64 = 0.04;
+/// Bisections of a size or a sum: in the search, and of the result.
+const SEARCH_BISECTIONS: u32 = 20;
+const CHECK_BISECTIONS: u32 = 30;
+/// The greatest share of a leg's sum that a link has.
+const LONGEST_SHARE: f64 = 0.98;
+/// The sum of links that always suffices if any does, as a multiple of size and base; used where the
+/// specification sets no limit.
+const AMPLE: f64 = 30.0;
+/// Score of a candidate that meets no requirement, below all that do.
+pub(super) const NOT_MET: f64 = -1e6;
+/// By how much the search requires more 1/κ than asked for: its fewer samples see a little less than those
+/// of the check, and just beyond an optimum the area may shrink to half.
+const SLACK: f64 = 1e-5;
+/// Change of a length for sensitivities, as a share of the links' sum.
+const CHANGE: f64 = 1e-5;
+
+/// A search for an arm.
+#[derive(Clone)]
+pub(super) struct Problem<'a> {
+    pub(super) specification: &'a Specification,
+    dexterity: f64,
+    search: Arc<Samples>,
+    check: Arc<Samples>,
+    evaluations: Arc<AtomicU64>,
+}
+
+/// The least of what is required over an area.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Worst {
+    /// By how much all requirements are met, negative where one is not.
+    pub(super) margin: f64,
+    /// 1/κ; negative where the arm changes its assembly mode or does not reach.
+    pub(super) dexterity: f64,
+}
+
+impl Worst {
+    /// Of no point.
+    const NONE: Self = Self {
+        margin: f64::INFINITY,
+        dexterity: f64::INFINITY,
+    };
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            margin: self.margin.min(other.margin),
+            dexterity: self.dexterity.min(other.dexterity),
+        }
+    }
+}
+
+/// The parts of a design that the search varies.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    base: f64,
+    /// Cranks l1 and l4 by their leg's sum.
+    cranks: [f64; 2],
+    /// The legs' sums by the longer one.
+    legs: [f64; 2],
+    /// The place by the longer leg's sum.
+    place: [f64; 2],
+}
+
+impl Candidate {
+    fn lengths(&self, sum: f64) -> [f64; 5] {
+        let [leg1, leg4] = self.legs.map(|share| share * sum);
+        let [l1, l4] = [self.cranks[0] * leg1, self.cranks[1] * leg4];
+        [l1, leg1 - l1, leg4 - l4, l4, self.base]
+    }
+
+    fn place(&self, sum: f64) -> [f64; 2] {
+        self.place.map(|share| share * sum)
+    }
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(specification: &'a Specification) -> Self {
+        let samples = |density| Arc::new(specification.area.samples(density));
+        Self {
+            specification,
+            dexterity: specification.dexterity,
+            search: samples(Density::Search),
+            check: samples(Density::Check),
+            evaluations: Arc::default(),
+        }
+    }
+
+    /// The same problem with another least dexterity.
+    pub(super) fn requiring(&self, dexterity: f64) -> Self {
+        Self {
+            dexterity,
+            ..self.clone()
+        }
+    }
+
+    pub(super) fn evaluations(&self) -> u64 {
+        self.evaluations.load(Ordering::Relaxed)
+    }
+
+    /// The best design that the search finds.
+    pub(super) fn solve(&self, seed: u64) -> Result<Design, SynthesisError> {
+        let dimensions = if self.specification.symmetric { 3 } else { 6 };
+        let score = |point: &[f64], density| self.scale(&self.candidate(point), density).0;
+        let (near, _) = maximise(dimensions, GENERATIONS, seed, |point| {
+            score(point, Density::Search)
+        });
+        let beside = |point: &[f64]| -> Vec<f64> {
+            let steps = near.iter().zip(point);
+            steps
+                .map(|(near, x)| (near + BESIDE * (x - 0.5)).clamp(0.0, 1.0))
+                .collect()
+        };
+        let (point, _) = maximise(dimensions, CHECK_GENERATIONS, seed, |point| {
+            score(&beside(point), Density::Check)
+        });
+        let point = beside(&point);
+        let candidate = self.candidate(&point);
+        match self.scale(&candidate, Density::Check) {
+            (_, Some((sum, size))) => {
+                let (lengths, place) = (candidate.lengths(sum), candidate.place(sum));
+                Ok(self.design(lengths, Placed { size, place }))
+            }
+            (score, None) => Err(SynthesisError::NotFound(NOT_MET - score)),
+        }
+    }
+
+    /// A design with the least 1/κ of its area.
+    pub(super) fn design(&self, lengths: [f64; 5], Placed { size, place }: Placed) -> Design {
+        let placed = Placed { size, place };
+        Design {
+            lengths,
+            size,
+            place,
+            dexterity: self.worst(lengths, placed, Density::Check).dexterity,
+        }
+    }
+
+    fn candidate(&self, point: &[f64]) -> Candidate {
+        let [low, high] = self.specification.base;
+        let crank = |x: f64| 1.0 - LONGEST_SHARE + x * (2.0 * LONGEST_SHARE - 1.0);
+        let base = low + point[0] * (high - low);
+        let place = self.place(&point[2..]);
+        let Some(&[crank4, ratio]) = point.get(4..) else {
+            return Candidate {
+                base,
+                cranks: [crank(point[1]); 2],
+                legs: [1.0; 2],
+                place,
+            };
+        };
+        let ratio = 4.0_f64.powf(ratio - 0.5);
+        Candidate {
+            base,
+            cranks: [crank(point[1]), crank(crank4)],
+            legs: [(1.0 / ratio).min(1.0), ratio.min(1.0)],
+            place,
+        }
+    }
+
+    /// The place by the legs' sum, of numbers 0…1. Areas lie in front of the base, a ring about its
+    /// middle, the area of a symmetric arm on its axis.
+    pub(super) fn place(&self, point: &[f64]) -> [f64; 2] {
+        let both = |x: f64| 2.0 * x - 1.0;
+        match (&self.specification.area, point) {
+            (Area::Annulus, &[y, ..]) => [0.0, y],
+            (_, &[y, x, ..]) => [both(x), y],
+            (_, &[y]) => [0.0, y],
+            _ => [0.0; 2],
+        }
+    }
+
+    /// The score of a candidate, with its links' sum and its area's size [m] where it meets the
+    /// requirements.
+    fn scale(&self, candidate: &Candidate, density: Density) -> (f64, Option<(f64, f64)>) {
+        let half_base = 0.5 * candidate.base;
+        let margin = |sum: f64, size: f64| {
+            let place = candidate.place(sum);
+            self.worst(candidate.lengths(sum), Placed { size, place }, density)
+                .margin
+        };
+        let ample = match self.specification.objective {
+            Objective::Size => f64::INFINITY,
+            Objective::LinkSum(size) | Objective::Dexterity(size) => {
+                AMPLE * (size + candidate.base)
+            }
+        };
+        let most = self.specification.link_sum.min(ample) - half_base;
+        if !(most > 0.0) {
+            return (NOT_MET - 1.0 + most, None);
+        }
+        match self.specification.objective {
+            Objective::Size => {
+                let place = candidate.place(most);
+                let (score, size) = self.largest(candidate.lengths(most), place, density);
+                (score, size.map(|size| (most, size)))
+            }
+            Objective::LinkSum(size) => {
+                let short = margin(most, size);
+                if !(short >= 0.0) {
+                    return (NOT_MET + short, None);
+                }
+                let sum = bisected([most, 0.0], density, |sum| margin(sum, size) >= 0.0);
+                (-sum - half_base, Some((sum, size)))
+            }
+            Objective::Dexterity(size) => match margin(most, size) {
+                margin if margin >= 0.0 => (margin, Some((most, size))),
+                margin => (NOT_MET + margin, None),
+            },
+        }
+    }
+
+    /// The score and the size of the largest area of an arm at a place.
+    pub(super) fn largest(
+        &self,
+        lengths: [f64; 5],
+        place: [f64; 2],
+        density: Density,
+    ) -> (f64, Option<f64>) {
+        let margin = |size: f64| self.worst(lengths, Placed { size, place }, density).margin;
+        let short = margin(0.0);
+        if !(short >= 0.0) {
+            return (NOT_MET + short, None);
+        }
+        let reach = 2.0 * (lengths[0] + lengths[1]);
+        let size = bisected([0.0, reach], density, |size| margin(size) >= 0.0);
+        (size, Some(size))
+    }
+
+    /// The least of what is required over the area's samples. The arm stays in one assembly mode: that
+    /// in which it meets more.
+    pub(super) fn worst(&self, lengths: [f64; 5], area: Placed, density: Density) -> Worst {
+        self.evaluations.fetch_add(1, Ordering::Relaxed);
+        let samples = match density {
+            Density::Search => &self.search,
+            Density::Check => &self.check,
+        };
+        let required = self.dexterity
+            + match density {
+                Density::Search => SLACK,
+                Density::Check => 0.0,
+            };
+        let base = lengths[4];
+        let middle = Vector2::new(0.5 * base, 0.0);
+        let at = |sample: [f64; 2]| match condition(lengths, middle + samples.at(sample, area)) {
+            Ok(here) => [1.0, -1.0].map(|sign| {
+                let dexterity = sign * here.dexterity;
+                let sine = (sign * here.sine).min(here.elbow_sine);
+                let by_sine = match self.specification.sine {
+                    0.0 => f64::INFINITY,
+                    least => sine - least,
+                };
+                let margin = (dexterity - required).min(by_sine);
+                Worst { margin, dexterity }
+            }),
+            Err(beyond) => {
+                [Worst {
+                    margin: -required.max(self.specification.sine) - beyond,
+                    dexterity: -beyond,
+                }; 2]
+            }
+        };
+        let mut worst = [([0.0; 2], Worst::NONE); 2];
+        for &sample in samples.points(base) {
+            for ((place, worst), here) in worst.iter_mut().zip(at(sample)) {
+                if here.margin < worst.margin {
+                    *place = sample;
+                }
+                *worst = worst.and(here);
+            }
+        }
+        let mode = usize::from(worst[0].1.margin < worst[1].1.margin);
+        let (place, worst) = worst[mode];
+        if worst.margin < 0.0 {
+            return worst;
+        }
+        let lowest = samples.lowest_near(place, |sample| at(sample)[mode].margin);
+        worst.and(at(lowest)[mode])
+    }
+
+    /// The loss of 1/κ at the worst point per length [1/m].
+    pub(super) fn sensitivity(&self, design: &Design) -> [f64; 5] {
+        let placed = Placed {
+            size: design.size,
+            place: design.place,
+        };
+        let change = CHANGE * design.link_sum();
+        std::array::from_fn(|index| {
+            let losses = [change, -change].map(|change| {
+                let mut lengths = design.lengths;
+                // A base of 0 can only grow.
+                lengths[index] = (lengths[index] + change).abs();
+                design.dexterity - self.worst(lengths, placed, Density::Check).dexterity
+            });
+            losses[0].max(losses[1]) / change
+        })
+    }
+
+    pub(super) fn prove(&self, design: &Design) -> Proof {
+        let placed = Placed {
+            size: design.size,
+            place: design.place,
+        };
+        proof::prove(design.lengths, &self.specification.area, placed)
+    }
+}
+
+/// The last value towards `to`, from one that is allowed, that is allowed too.
+fn bisected([from, to]: [f64; 2], density: Density, allowed: impl Fn(f64) -> bool) -> f64 {
+    let steps = match density {
+        Density::Search => SEARCH_BISECTIONS,
+        Density::Check => CHECK_BISECTIONS,
+    };
+    let (mut good, mut bad) = (from, to);
+    for _ in 0..steps {
+        let middle = 0.5 * (good + bad);
+        match allowed(middle) {
+            true => good = middle,
+            false => bad = middle,
+        }
+    }
+    good
+}

@@ -1,0 +1,219 @@
+//! Synthesis against known optima, and proofs against what samples miss.
+
+use fivebar_design::Noise;
+use fivebar_design::synthesis::{
+    Area, Objective, Proof, Specification, Synthesis, prove, synthesise,
+};
+use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+use nalgebra::Vector2;
+
+/// A symmetric coaxial arm with links of 1 m in all.
+fn leg(area: Area, dexterity: f64) -> Specification {
+    Specification {
+        symmetric: true,
+        base: [0.0, 0.0],
+        link_sum: 1.0,
+        area,
+        dexterity,
+        sine: 0.0,
+        objective: Objective::Size,
+        front: 1,
+    }
+}
+
+fn solve(specification: &Specification) -> Synthesis {
+    synthesise(specification, 1, &|_| {}).unwrap()
+}
+
+#[track_caller]
+fn assert_near(what: &str, found: f64, known: f64, share: f64) {
+    let bound = share * known.abs();
+    assert!(
+        (found - known).abs() <= bound,
+        "{what}: {found} for {known}"
+    );
+}
+
+#[test]
+fn the_widest_ring_of_a_coaxial_arm_is_that_of_the_closed_form() {
+    for (k, crank, coupler, width) in [
+        (0.35, 0.4856, 0.5144, 0.9097),
+        (0.5, 0.4721, 0.5279, 0.8178),
+    ] {
+        let answer = solve(&leg(Area::Annulus, k));
+        let best = answer.best;
+        assert_near("width", best.size, width, 1e-3);
+        assert_near("crank", best.lengths[0], crank, 1e-2);
+        assert_near("coupler", best.lengths[1], coupler, 1e-2);
+        assert_near("dexterity", best.dexterity, k, 1e-6);
+        assert_near("sum", best.link_sum(), 1.0, 1e-9);
+        let angle = k.atan();
+        let inner = coupler * (angle.cos() - (2.0 * angle).cos().sqrt());
+        assert_near("inner radius", best.place[1], inner, 2e-2);
+        assert_eq!(answer.proof, Proof::Proved);
+    }
+}
+
+#[test]
+fn the_largest_square_of_a_coaxial_arm_is_known_and_a_base_does_not_enlarge_it() {
+    let square = Area::Rectangle { aspect: 1.0 };
+    let coaxial = solve(&leg(square.clone(), 0.4));
+    assert_near("side", coaxial.best.size, 0.793, 1e-3);
+    assert_eq!(coaxial.proof, Proof::Proved);
+    let free = Specification {
+        base: [0.0, 0.6],
+        ..leg(square, 0.4)
+    };
+    let free = solve(&free).best;
+    assert_near("side", free.size, 0.793, 3e-3);
+    assert!(free.lengths[4] < 1e-3, "{free:?}");
+}
+
+#[test]
+fn the_shortest_arms_for_a_rectangle_are_as_short_as_the_best_known() {
+    for (k, known, crank, coupler, y0) in [
+        (0.3, 184.24e-3, 69.58e-3, 94.66e-3, 30.11e-3),
+        (0.7, 263.08e-3, 96.07e-3, 147.01e-3, 74.24e-3),
+    ] {
+        let specification = Specification {
+            base: [0.04, 0.3],
+            link_sum: f64::INFINITY,
+            objective: Objective::LinkSum(0.15),
+            ..leg(Area::Rectangle { aspect: 1.5 }, k)
+        };
+        let answer = solve(&specification);
+        let best = answer.best;
+        assert_near("sum", best.link_sum(), known, 2e-3);
+        assert_near("crank", best.lengths[0], crank, 2e-2);
+        assert_near("coupler", best.lengths[1], coupler, 2e-2);
+        assert_near("y0", best.place[1], y0, 4e-2);
+        assert_eq!(best.lengths[4], 0.04);
+        assert_eq!(answer.proof, Proof::Proved);
+        // Whole millimetres cost 3 mm at most.
+        let whole = answer.whole;
+        for length in whole.lengths {
+            assert!(
+                (1e3 * length - (1e3 * length).round()).abs() < 1e-9,
+                "{whole:?}"
+            );
+        }
+        assert!(
+            whole.link_sum() < known + 3e-3 && whole.dexterity >= k,
+            "{whole:?}"
+        );
+        assert_eq!(answer.whole_proof, Proof::Proved);
+        assert!(answer.sensitivity.iter().all(|loss| *loss > 0.0));
+    }
+}
+
+#[test]
+fn an_arm_with_unlike_legs_is_not_worse_than_a_symmetric_one() {
+    let square = Area::Rectangle { aspect: 1.0 };
+    let specification = Specification {
+        symmetric: false,
+        ..leg(square, 0.4)
+    };
+    let best = solve(&specification).best;
+    assert!(best.size > 0.99 * 0.793, "{best:?}");
+    assert!(best.link_sum() < 1.0 + 1e-9 && best.dexterity >= 0.4 - 1e-9);
+}
+
+#[test]
+fn points_are_all_reached_with_the_wanted_condition() {
+    let corners = vec![
+        vec![[0.0, 0.0]],
+        vec![[2.0, 0.0]],
+        vec![[2.0, 2.0]],
+        vec![[0.0, 2.0]],
+    ];
+    let points = Area::paths(&corners).unwrap();
+    let best = solve(&leg(points, 0.4)).best;
+    // Its corners alone ask less than the square.
+    assert!(best.size >= 0.79, "{best:?}");
+    assert_near("dexterity", best.dexterity, 0.4, 1e-6);
+}
+
+#[test]
+fn what_no_arm_can_do_is_refused() {
+    let specification = Specification {
+        link_sum: 0.1,
+        objective: Objective::LinkSum(0.15),
+        ..leg(Area::Rectangle { aspect: 1.0 }, 0.3)
+    };
+    assert!(synthesise(&specification, 1, &|_| {}).is_err());
+}
+
+#[test]
+fn the_answer_is_that_of_the_seed() {
+    let specification = leg(Area::Annulus, 0.5);
+    assert_eq!(solve(&specification), solve(&specification));
+}
+
+/// Whether 1e5 random points of a rectangle show no singularity of the arm, elbows out.
+fn samples_see_nothing(lengths: [f64; 5], [x, y]: [f64; 2], [width, height]: [f64; 2]) -> bool {
+    let geometry = Geometry::new(lengths).unwrap();
+    let mode = WorkingMode::new(Side::Right, Side::Left);
+    let mut noise = Noise::new(5);
+    let mut assembly = None;
+    (0..100_000).all(|_| {
+        let c = Vector2::new(
+            0.5 * lengths[4] + x + width * (noise.uniform() - 0.5),
+            y + height * noise.uniform(),
+        );
+        let Ok(pose) = geometry.inverse(c, mode) else {
+            return false;
+        };
+        *assembly.get_or_insert(pose.assembly()) == pose.assembly()
+    })
+}
+
+#[test]
+fn singularities_that_a_hundred_thousand_samples_miss_are_refuted() {
+    // A corner 1 µm beyond a straight leg, on the axis of a coaxial arm's square.
+    let leg = [0.1, 0.16, 0.16, 0.1, 0.0];
+    let side = 0.08;
+    let rim: f64 = 0.26;
+    let beyond = (rim + 1e-6).powi(2) - 0.25 * side * side;
+    // A hole of 10 µm about the hip, into which a leg does not fold.
+    let folded = [0.1, 0.10001, 0.10001, 0.1, 0.0];
+    // The arm changes its assembly mode within 10 nm of the lower side, where links 2 and 3 are in line.
+    let flat = [0.1, 0.16, 0.16, 0.1, 0.3];
+    let line = y_of_links_in_line(flat);
+    for (what, lengths, place, size) in [
+        ("straight", leg, [0.0, beyond.sqrt() - side], [side, side]),
+        ("folded", folded, [0.0131, -0.0217], [0.05, 0.05]),
+        ("in line", flat, [0.0, line - 1e-8], [0.02, 0.02]),
+    ] {
+        assert!(samples_see_nothing(lengths, place, size), "{what}");
+        let proof = prove(
+            lengths,
+            &Area::Rectangle {
+                aspect: size[0] / size[1],
+            },
+            size[0],
+            place,
+        );
+        assert!(matches!(proof, Proof::Refuted(_)), "{what}: {proof:?}");
+    }
+}
+
+/// The height at which links 2 and 3 of a symmetric arm are in line, C being on its axis [m].
+fn y_of_links_in_line([l1, l2, _, _, base]: [f64; 5]) -> f64 {
+    (l1 * l1 - (0.5 * base - l2).powi(2)).sqrt()
+}
+
+#[test]
+fn a_regular_area_is_proved_and_a_touching_one_is_not() {
+    let arm = [0.1, 0.16, 0.16, 0.1, 0.08];
+    let square = Area::Rectangle { aspect: 1.0 };
+    assert_eq!(prove(arm, &square, 0.05, [0.0, 0.14]), Proof::Proved);
+    // The upper corners of this one are on the rim itself, in part beyond it by rounding.
+    let leg = [0.1, 0.16, 0.16, 0.1, 0.0];
+    let touching = prove(
+        leg,
+        &square,
+        0.1,
+        [0.0, (0.26_f64.powi(2) - 0.0025).sqrt() - 0.1],
+    );
+    assert_ne!(touching, Proof::Proved);
+}

@@ -1,0 +1,322 @@
+//! Specifications of `fivebar design`: what is wanted of an arm, in TOML.
+
+use super::job::{Action, Job, Placement, read as read_job};
+use super::source::{FileError, Key, Refusals, Source};
+use super::text_file::{LARGEST_TOML, read_text};
+use fivebar_design::synthesis::{Area, Objective, Specification};
+use serde::Deserialize;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// The most designs of a front.
+const MOST_DESIGNS: usize = 20;
+/// Greatest length [m]; greater numbers are probably in millimetres.
+const LONGEST: f64 = 20.0;
+/// Chords of a full turn of an arc.
+const CHORDS: f64 = 72.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpecFile {
+    symmetric: bool,
+    base: [f64; 2],
+    link_sum: Option<f64>,
+    area: AreaFile,
+    require: RequireFile,
+    objective: ObjectiveFile,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AreaFile {
+    kind: Kind,
+    width: Option<f64>,
+    height: Option<f64>,
+    aspect: Option<f64>,
+    side: Option<f64>,
+    points: Option<Vec<[f64; 2]>>,
+    file: Option<String>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    Annulus,
+    Square,
+    Rectangle,
+    Points,
+    Drawing,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RequireFile {
+    dexterity: f64,
+    #[serde(default)]
+    sine: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObjectiveFile {
+    maximise: Option<Maximise>,
+    minimise: Option<Minimise>,
+    #[serde(default = "one")]
+    front: usize,
+}
+
+fn one() -> usize {
+    1
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Maximise {
+    Size,
+    Dexterity,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Minimise {
+    LinkSum,
+}
+
+/// Reads a specification. A drawing is looked for beside it.
+///
+/// # Errors
+/// A file that cannot be read; a missing key or a value that is not valid, with its line.
+pub fn read(path: &Path) -> Result<Specification, FileError> {
+    let text = read_text(path, LARGEST_TOML);
+    let text = text.map_err(|error| FileError::new(path.display(), error))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(&path.display().to_string(), &text, folder)
+}
+
+/// The specification in the text of a file called `file`; drawings are looked for in `folder`.
+///
+/// ```
+/// let text = r#"
+/// symmetric = true
+/// base = [0.0, 0.0]
+/// link_sum = 0.3
+/// [area]
+/// kind = "annulus"
+/// [require]
+/// dexterity = 0.5
+/// [objective]
+/// maximise = "size"
+/// "#;
+/// let specification = fivebar_files::design_spec::parse("leg.toml", text, "".as_ref())?;
+/// assert_eq!(specification.link_sum, 0.3);
+/// # Ok::<(), fivebar_files::source::FileError>(())
+/// ```
+///
+/// # Errors
+/// A missing key, or a value that is not valid, with its line.
+pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Specification, FileError> {
+    let source = Source { file, text };
+    let spec: SpecFile = source.parse()?;
+    let mut refusals = Refusals::default();
+    let [low, high] = spec.base;
+    if !(0.0 <= low && low <= high && high <= LONGEST) {
+        let reason =
+            format!("must be [least, greatest], 0 to {LONGEST:?} m, not [{low:?}, {high:?}]");
+        refusals.add(source.refuse(Key::Top("base"), reason));
+    }
+    let is_sought = matches!(spec.objective.maximise, Some(Maximise::Size));
+    if let Some(sum) = spec.link_sum {
+        refusals.check(length(&source, Key::Top("link_sum"), sum));
+        if sum <= 0.5 * low {
+            let reason = format!("must be more than half the least `base`, not {sum:?}");
+            refusals.add(source.refuse(Key::Top("link_sum"), reason));
+        }
+    } else if spec.objective.maximise.is_some() {
+        let reason = "is missing: it limits the links of what is to be the greatest; give metres";
+        refusals.add(source.refuse(Key::Top("link_sum"), reason));
+    }
+    let share = |key, value: f64, least: bool| {
+        if (value > 0.0 || (value == 0.0 && !least)) && value < 1.0 {
+            return Ok(());
+        }
+        let from = if least { "more than 0" } else { "at least 0" };
+        let reason = format!("must be {from} and less than 1, not {value:?}");
+        Err(source.refuse(Key::In("require", key), reason))
+    };
+    refusals.check(share("dexterity", spec.require.dexterity, true));
+    refusals.check(share("sine", spec.require.sine, false));
+    let front = spec.objective.front;
+    if !(1..=MOST_DESIGNS).contains(&front) {
+        let reason = format!("must be 1 to {MOST_DESIGNS} designs, not {front}");
+        refusals.add(source.refuse(Key::In("objective", "front"), reason));
+    }
+    let area = refusals.noted(area(&source, &spec.area, is_sought, folder));
+    let (objective, other) = (&spec.objective.maximise, &spec.objective.minimise);
+    let one_objective = objective.is_some() != other.is_some();
+    if !one_objective {
+        let reason = "must be given, or `minimise` in place of it: \"size\" or \"dexterity\", or the \
+                      least \"link_sum\"";
+        refusals.add(source.refuse(Key::In("objective", "maximise"), reason));
+    }
+    refusals.done()?;
+    let (area, size) = area?;
+    let objective = match objective {
+        Some(Maximise::Size) => Objective::Size,
+        Some(Maximise::Dexterity) => Objective::Dexterity(size),
+        None => Objective::LinkSum(size),
+    };
+    Ok(Specification {
+        symmetric: spec.symmetric,
+        base: spec.base,
+        link_sum: spec.link_sum.unwrap_or(f64::INFINITY),
+        area,
+        dexterity: spec.require.dexterity,
+        sine: spec.require.sine,
+        objective,
+        front,
+    })
+}
+
+/// The area and its size [m], which means nothing where the size is sought.
+fn area(
+    source: &Source<'_>,
+    area: &AreaFile,
+    is_sought: bool,
+    folder: &Path,
+) -> Result<(Area, f64), FileError> {
+    let key = |name| Key::In("area", name);
+    let given = [
+        ("width", area.width.is_some()),
+        ("height", area.height.is_some()),
+        ("aspect", area.aspect.is_some()),
+        ("side", area.side.is_some()),
+        ("points", area.points.is_some()),
+        ("file", area.file.is_some()),
+    ];
+    let own: &[&str] = match area.kind {
+        Kind::Annulus => &["width"],
+        Kind::Square => &["side"],
+        Kind::Rectangle => &["width", "height", "aspect"],
+        Kind::Points => &["points"],
+        Kind::Drawing => &["file"],
+    };
+    for (name, is_given) in given {
+        if is_given && !own.contains(&name) {
+            let reason = format!(
+                "does not belong to this `kind`, which has `{}`",
+                own.join("`, `")
+            );
+            return Err(source.refuse(key(name), reason));
+        }
+    }
+    let needed = |name, value: Option<f64>| match value {
+        Some(value) => length(source, key(name), value),
+        None if is_sought => Ok(1.0),
+        None => Err(source.refuse(key(name), "is missing: give metres")),
+    };
+    match area.kind {
+        Kind::Annulus => Ok((Area::Annulus, needed("width", area.width)?)),
+        Kind::Square => Ok((Area::Rectangle { aspect: 1.0 }, needed("side", area.side)?)),
+        Kind::Rectangle => {
+            let (aspect, width) = match (area.aspect, area.width, area.height) {
+                (Some(aspect), width, None) => (aspect, needed("width", width)?),
+                (None, Some(width), Some(height)) => {
+                    let width = length(source, key("width"), width)?;
+                    (width / length(source, key("height"), height)?, width)
+                }
+                _ => {
+                    let reason = "must be given with `height`; or give `aspect`, width by height, where \
+                                  the size is sought";
+                    return Err(source.refuse(key("width"), reason));
+                }
+            };
+            if !(1e-3..=1e3).contains(&aspect) {
+                let reason = format!("is width by height, 0.001 to 1000, not {aspect:?}");
+                return Err(source.refuse(key("aspect"), reason));
+            }
+            Ok((Area::Rectangle { aspect }, width))
+        }
+        Kind::Points => {
+            let points = area.points.as_deref().unwrap_or_default();
+            let paths: Vec<Vec<[f64; 2]>> = points.iter().map(|&point| vec![point]).collect();
+            let reason = "must be two unlike points or more, [[x, y], …] in metres";
+            path_area(&paths).ok_or_else(|| source.refuse(key("points"), reason))
+        }
+        Kind::Drawing => {
+            let missing = "is missing: name a G-code or SVG file beside this one";
+            let name = area.file.as_ref();
+            let name = name.ok_or_else(|| source.refuse(key("file"), missing))?;
+            let text = read_job(&folder.join(name));
+            let text =
+                text.map_err(|error| source.refuse(key("file"), format!("`{name}`: {error}")))?;
+            let job = Job::parse(&text, &AS_DRAWN);
+            let job =
+                job.map_err(|error| source.refuse(key("file"), format!("`{name}`: {error}")))?;
+            let reason = format!("`{name}` has no path");
+            path_area(&[path(&job)]).ok_or_else(|| source.refuse(key("file"), reason))
+        }
+    }
+}
+
+fn path_area(paths: &[Vec<[f64; 2]>]) -> Option<(Area, f64)> {
+    let points = || paths.iter().flatten();
+    let extent = |axis: usize| {
+        let least = points().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
+        let most = points().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+        most - least
+    };
+    Some((Area::paths(paths)?, extent(0).max(extent(1))))
+}
+
+const AS_DRAWN: Placement = Placement {
+    origin: [0.0; 2],
+    scale: 1.0,
+    turn: 0.0,
+    home: [0.0; 2],
+};
+
+/// The path of a job from the end of its first motion, with the motions between the strokes; arcs as
+/// chords.
+fn path(job: &Job) -> Vec<[f64; 2]> {
+    let mut path: Vec<[f64; 2]> = Vec::new();
+    for step in &job.steps {
+        if let (
+            Some(&from),
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                ..
+            },
+        ) = (path.last(), &step.action)
+        {
+            let angle = |p: [f64; 2]| (p[1] - center[1]).atan2(p[0] - center[0]);
+            let radius = (from[0] - center[0]).hypot(from[1] - center[1]);
+            let turn = (angle(*to) - angle(from)).rem_euclid(TAU);
+            let turn = match clockwise {
+                _ if from == *to => TAU,
+                true => turn - TAU,
+                false => turn,
+            };
+            let count = (turn.abs() / TAU * CHORDS).ceil();
+            path.extend((1..count as u32).map(|i| {
+                let angle = angle(from) + turn * f64::from(i) / count;
+                [
+                    center[0] + radius * angle.cos(),
+                    center[1] + radius * angle.sin(),
+                ]
+            }));
+        }
+        path.extend(step.action.end());
+    }
+    path
+}
+
+fn length(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+    if value > 0.0 && value <= LONGEST {
+        Ok(value)
+    } else {
+        let reason = format!("must be more than 0 and at most {LONGEST:?} m, not {value:?}");
+        Err(source.refuse(key, reason))
+    }
+}
