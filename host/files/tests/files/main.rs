@@ -1,5 +1,6 @@
 //! Files that are read: robots, linkages, jobs.
 
+mod design_specs;
 mod document;
 mod drive_keys;
 mod factors;

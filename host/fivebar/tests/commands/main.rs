@@ -9,6 +9,7 @@ mod closed_output;
 mod commission;
 mod commission_limits;
 mod demonstration;
+mod design;
 #[cfg(unix)]
 mod doctor;
 #[cfg(unix)]

@@ -1,0 +1,116 @@
+//! Specifications of `fivebar design`: areas, sizes and what is refused.
+
+use fivebar_design::synthesis::{Area, Objective, Specification};
+use fivebar_files::design_spec::parse;
+use fivebar_files::source::FileError;
+use std::path::Path;
+
+const JOBS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/jobs");
+
+fn spec(area: &str, objective: &str) -> Result<Specification, FileError> {
+    let text = format!(
+        "symmetric = false\nbase = [0.0, 0.2]\nlink_sum = 0.5\n[area]\n{area}\n[require]\ndexterity = 0.3\n\
+         [objective]\n{objective}\n"
+    );
+    parse("spec.toml", &text, Path::new(JOBS))
+}
+
+#[test]
+fn every_kind_of_area_has_its_shape_and_size() {
+    let sum = "minimise = \"link_sum\"";
+    for (area, shape, size) in [
+        ("kind = \"annulus\"\nwidth = 0.1", Area::Annulus, 0.1),
+        (
+            "kind = \"square\"\nside = 0.2",
+            Area::Rectangle { aspect: 1.0 },
+            0.2,
+        ),
+        (
+            "kind = \"rectangle\"\nwidth = 0.2\nheight = 0.1",
+            Area::Rectangle { aspect: 2.0 },
+            0.2,
+        ),
+        (
+            "kind = \"points\"\npoints = [[0.1, 0.1], [0.3, 0.2]]",
+            Area::Paths(vec![vec![[-0.5, 0.0]], vec![[0.5, 0.5]]]),
+            0.2,
+        ),
+    ] {
+        let spec = spec(area, sum).unwrap();
+        match (&spec.area, &shape) {
+            (Area::Paths(found), Area::Paths(expected)) => {
+                for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+                    assert!((found[0] - expected[0]).abs() < 1e-12);
+                    assert!((found[1] - expected[1]).abs() < 1e-12);
+                }
+            }
+            (found, expected) => assert_eq!(found, expected),
+        }
+        let Objective::LinkSum(found) = spec.objective else {
+            panic!("{:?}", spec.objective);
+        };
+        assert!((found - size).abs() < 1e-12, "{area}");
+    }
+}
+
+#[test]
+fn a_drawing_is_the_path_of_its_job() {
+    let drawing = "kind = \"drawing\"\nfile = \"petal.gcode\"";
+    let spec = spec(drawing, "maximise = \"size\"").unwrap();
+    let Area::Paths(paths) = &spec.area else {
+        panic!("{:?}", spec.area);
+    };
+    let points = paths.iter().flatten();
+    let greatest = points
+        .map(|p| p[1].max(2.0 * p[0].abs()))
+        .fold(0.0, f64::max);
+    assert!((greatest - 1.0).abs() < 1e-9, "{greatest}");
+    let error = |file: &str| {
+        let drawing = format!("kind = \"drawing\"\nfile = \"{file}\"");
+        self::spec(&drawing, "maximise = \"size\"").unwrap_err()
+    };
+    assert_eq!(error("none.gcode").line, Some(6));
+}
+
+#[test]
+fn keys_of_other_kinds_and_missing_sizes_are_refused() {
+    let sum = "minimise = \"link_sum\"";
+    let size = "maximise = \"size\"";
+    for (area, objective, reason) in [
+        ("kind = \"annulus\"", sum, "`width` of [area] is missing"),
+        (
+            "kind = \"square\"\nwidth = 0.1",
+            sum,
+            "`width` of [area] does not belong",
+        ),
+        ("kind = \"rectangle\"", size, "or give `aspect`"),
+        (
+            "kind = \"rectangle\"\naspect = 1.5",
+            sum,
+            "`width` of [area] is missing",
+        ),
+        (
+            "kind = \"points\"\npoints = [[0.1, 0.1]]",
+            size,
+            "two unlike points",
+        ),
+        (
+            "kind = \"annulus\"\nwidth = -1.0",
+            size,
+            "must be more than 0",
+        ),
+        (
+            "kind = \"annulus\"",
+            "front = 2",
+            "`maximise` of [objective] must be given",
+        ),
+        (
+            "kind = \"annulus\"",
+            "maximise = \"size\"\nfront = 0",
+            "1 to 20",
+        ),
+    ] {
+        let error = spec(area, objective).unwrap_err();
+        assert!(error.to_string().contains(reason), "{error}");
+    }
+}
