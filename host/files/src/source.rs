@@ -167,6 +167,28 @@ impl<'a> Source<'a> {
         })
     }
 
+    /// Reads the keys of a file that is no robot file; one that is gets its own error, with what
+    /// takes it.
+    pub fn parse_no_robot<T: serde::de::DeserializeOwned>(
+        &self,
+        what: &str,
+    ) -> Result<T, FileError> {
+        self.parse().map_err(|error| {
+            let table = toml::from_str::<toml::Table>(self.text);
+            let is_robot = table.is_ok_and(|it| it.contains_key("link") && it.contains_key("base"));
+            match is_robot {
+                false => error,
+                true => FileError::new(
+                    self.file,
+                    format_args!(
+                        "this is a robot file, not {what}: give it with --robot to sim, workspace, \
+                         accuracy or margins"
+                    ),
+                ),
+            }
+        })
+    }
+
     /// The line of the value that an error names at its end: "…in `mismatch.stiffness`".
     fn line_of_path(&self, reason: &str) -> Option<usize> {
         let (_, path) = reason.trim_end().strip_suffix('`')?.rsplit_once('`')?;

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 /// Reads a linkage from the text of a file.
 pub(super) fn linkage(source: Source<'_>) -> Result<DrivenLinkage, FileError> {
-    let file: LinkageFile = source.parse()?;
+    let file: LinkageFile = source.parse_no_robot("a linkage")?;
     sizes(&source, &file)?;
     let linkage = Linkage::new(Vector2::from(file.gravity))
         .map_err(|error| source.refuse(Key::Top("gravity"), error))?;

@@ -228,3 +228,24 @@ fn the_files_in_the_documentation_are_valid() {
     assert_eq!(driven.sweep().solved().count(), 361);
     fivebar_files::robot::SliderRobot::parse("linkages.md", slider).unwrap();
 }
+
+#[test]
+fn a_robot_file_is_refused_as_one() {
+    for robot in fivebar_files::robot::BUILT_IN {
+        if robot.text.contains("[slider]") {
+            continue;
+        }
+        let linkage = DrivenLinkage::parse("arm.toml", robot.text).err().unwrap();
+        let mechanism = fivebar_files::mobility::parse("arm.toml", robot.text)
+            .err()
+            .unwrap();
+        for error in [linkage, mechanism] {
+            let error = error.to_string();
+            assert!(
+                error.contains("this is a robot file, not a"),
+                "{}: {error}",
+                robot.name
+            );
+        }
+    }
+}

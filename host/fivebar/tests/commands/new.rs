@@ -76,7 +76,7 @@ fn invalid_answers_are_explained_and_asked_again() {
         "left hand",
         "sideways",
         "up",
-        "0",
+        "-0.1",
         "-1",
         "nan",
         "wide",

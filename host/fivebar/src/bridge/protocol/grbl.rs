@@ -108,6 +108,7 @@ impl Engine {
         let speed = (f64::from(motion.max_speed) * PER_MINUTE * 100.0).round() / 100.0;
         let acceleration = f64::from(motion.max_acceleration) * 1e3;
         let corner = f64::from(motion.corner_tolerance) * 1e3;
+        let reach = reach(self.settings.lengths).map(|metres| 1e3 * metres);
         let mut text = String::new();
         for number in [0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 31, 32] {
             let value = match number {
@@ -135,8 +136,8 @@ impl Engine {
             (120, acceleration),
             (121, acceleration),
             (122, acceleration),
-            (130, 0.0),
-            (131, 0.0),
+            (130, reach[0]),
+            (131, reach[1]),
             (132, 0.0),
         ];
         for (number, value) in measured {
@@ -157,4 +158,20 @@ impl Engine {
         let _ = writeln!(text, "[G92:{shift}]\n[TLO:0.000]\n[PRB:{none}:0]");
         text
     }
+}
+
+/// Width and height of the region that both legs reach on one side of the base [m]: the part of two
+/// circles about A and E that they share.
+fn reach(lengths: [f32; 5]) -> [f64; 2] {
+    let [l1, l2, l3, l4, base] = lengths.map(f64::from);
+    let [leg1, leg4] = [l1 + l2, l3 + l4];
+    let width = leg1.min(base + leg4) - (-leg1).max(base - leg4);
+    // Where the circles meet, unless the top of one of them lies within the other.
+    let meet = (base * base + leg1 * leg1 - leg4 * leg4) / (2.0 * base.max(1e-9));
+    let height = if (0.0..=base).contains(&meet) {
+        (leg1 * leg1 - meet * meet).max(0.0).sqrt()
+    } else {
+        leg1.min(leg4)
+    };
+    [width, height]
 }

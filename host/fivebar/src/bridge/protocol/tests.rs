@@ -351,3 +351,19 @@ fn m0_waits_behind_the_motion_of_its_line_and_a_tool_change_before_it() {
         "{orders:?}"
     );
 }
+
+#[test]
+fn the_settings_have_the_reach() {
+    let response = ask(&mut engine(), "$$", &view()).unwrap();
+    // Legs of 260 mm, 80 mm apart: 260 + 180 wide, and √(260² − 40²) high.
+    assert!(
+        response.text.contains("$130=440.000\n"),
+        "{}",
+        response.text
+    );
+    assert!(
+        response.text.contains("$131=256.905\n"),
+        "{}",
+        response.text
+    );
+}
