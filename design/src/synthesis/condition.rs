@@ -50,7 +50,7 @@ fn far_link([near, far]: [f64; 2], p: Vector2<f64>, side: f64) -> Result<(Vector
     let q = p.norm_squared();
     let (sum, difference) = (near + far, near - far);
     let product = (sum * sum - q) * (q - difference * difference);
-    if !(product > 0.0) {
+    if product <= 0.0 {
         let distance = q.sqrt();
         return Err((distance - sum).max(difference.abs() - distance).max(0.0) / sum);
     }

@@ -200,7 +200,7 @@ impl<'a> Problem<'a> {
             }
         };
         let most = self.specification.link_sum.min(ample) - half_base;
-        if !(most > 0.0) {
+        if most <= 0.0 {
             return (NOT_MET - 1.0 + most, None);
         }
         match self.specification.objective {
@@ -211,7 +211,7 @@ impl<'a> Problem<'a> {
             }
             Objective::LinkSum(size) => {
                 let short = margin(most, size);
-                if !(short >= 0.0) {
+                if short < 0.0 {
                     return (NOT_MET + short, None);
                 }
                 let sum = bisected([most, 0.0], density, |sum| margin(sum, size) >= 0.0);
@@ -233,7 +233,7 @@ impl<'a> Problem<'a> {
     ) -> (f64, Option<f64>) {
         let margin = |size: f64| self.worst(lengths, Placed { size, place }, density).margin;
         let short = margin(0.0);
-        if !(short >= 0.0) {
+        if short < 0.0 {
             return (NOT_MET + short, None);
         }
         let reach = 2.0 * (lengths[0] + lengths[1]);
