@@ -107,6 +107,21 @@ fn the_shortest_arms_for_a_rectangle_are_as_short_as_the_best_known() {
 }
 
 #[test]
+fn whole_millimetres_meet_the_requirements_too() {
+    for k in [0.35, 0.5, 0.65] {
+        let answer = solve(&Specification {
+            base: [0.04, 0.1],
+            link_sum: f64::INFINITY,
+            objective: Objective::LinkSum(0.05),
+            ..leg(Area::Rectangle { aspect: 1.0 }, k)
+        });
+        let (best, whole) = (answer.best, answer.whole);
+        assert!(whole.dexterity >= k, "{whole:?}");
+        assert!(whole.link_sum() < best.link_sum() + 5e-3, "{whole:?}");
+    }
+}
+
+#[test]
 fn an_arm_with_unlike_legs_is_not_worse_than_a_symmetric_one() {
     let square = Area::Rectangle { aspect: 1.0 };
     let specification = Specification {

@@ -7,6 +7,8 @@ use super::{Area, Design, Objective};
 
 /// Generations of the search for a place.
 const GENERATIONS: usize = 40;
+/// By how much links become longer where no rounded arm meets the requirements [mm].
+const MOST_LONGER: u8 = 2;
 /// Millimetres in a metre.
 const MILLI: f64 = 1e3;
 /// A length this near to a whole millimetre is one [mm].
@@ -14,27 +16,37 @@ const ROUNDING: f64 = 1e-6;
 
 impl Problem<'_> {
     /// Of the arms whose lengths are those of `best`, each rounded up or down, the best one that meets
-    /// the requirements, with the best place of the area; if none meets them, the one nearest to it.
+    /// the requirements, with the best place of the area; if none meets them, of arms a millimetre or
+    /// two longer; else the one nearest to it.
     pub(super) fn in_whole_millimetres(&self, best: &Design, seed: u64) -> Design {
-        let arms = self.rounded(best);
-        let found = arms
-            .iter()
-            .map(|&lengths| self.placed(lengths, best.size, seed));
-        let found = found.max_by(|a, b| a.0.total_cmp(&b.0));
-        found.map_or(*best, |(_, design)| design)
+        let mut nearest = (f64::NEG_INFINITY, *best);
+        for longer in 0..=MOST_LONGER {
+            for lengths in self.rounded(best, f64::from(longer)) {
+                let found = self.placed(lengths, best.size, seed);
+                if found.0 > nearest.0 {
+                    nearest = found;
+                }
+            }
+            // Lengths are far less than this.
+            if nearest.0 > 0.5 * NOT_MET {
+                break;
+            }
+        }
+        nearest.1
     }
 
-    /// The arms with each length rounded down or up that are within the limits. A range of bases
+    /// The arms with each link rounded down or up and `longer` [mm], and the base rounded, that are within the limits. A range of bases
     /// without a whole millimetre keeps its base.
-    fn rounded(&self, best: &Design) -> Vec<[f64; 5]> {
+    fn rounded(&self, best: &Design, longer: f64) -> Vec<[f64; 5]> {
         let specification = self.specification;
         let [low, high] = specification.base;
-        let steps = |length: f64| {
-            let down = (length * MILLI + ROUNDING).floor();
+        let from = |length: f64, longer: f64| {
+            let down = (length * MILLI + ROUNDING).floor() + longer;
             [down / MILLI, (down + 1.0) / MILLI]
         };
+        let steps = |length: f64| from(length, longer);
         let [l1, l2, l3, l4, base] = best.lengths;
-        let mut bases = steps(base).to_vec();
+        let mut bases = from(base, 0.0).to_vec();
         bases.retain(|base| (low..=high).contains(base));
         if bases.is_empty() {
             bases.push(base);
