@@ -42,7 +42,7 @@ fn what_the_controller_refuses_is_told_with_a_way_out() {
             "short",
             near,
             0.3,
-            "too nearly in line at (0.0118",
+            "too nearly in line at (11.800",
             (short, 0.3),
         ),
         ("pinched", quick, 0.2, "cross in more time", (quick, 0.4)),
