@@ -101,7 +101,7 @@ def test_an_arm_without_mismatch_is_followed_more_closely(arm):
 
 @pytest.mark.parametrize(("job", "options", "error", "message"), [
     ("G1 X10", {}, fivebar.JobError, "job, line 1: .*no feed rate yet"),
-    ("", {}, fivebar.JobError, "no motion"),
+    ("", {}, fivebar.JobError, "an empty file"),
     ("G1 X5 F600\nG1 X900", {"origin": (0.0, 0.2)}, fivebar.JobError, "job, line 2: "),
     ("petal.gcode", {}, fivebar.FivebarError, r"give pathlib\.Path\('petal\.gcode'\)"),
     ("G1 X1 F600", {"scale": 0.0}, fivebar.FivebarError, "scale must be a positive"),
