@@ -61,6 +61,44 @@ fn peak_to_peak(samples: &[Sample]) -> f64 {
     range1.max(range4)
 }
 
+/// The torque of a robot that has come to rest and stays there for 5 s, peak to peak [N·m].
+fn torque_at_rest(robot: Robot) -> f64 {
+    let record = run(robot, "G21 G90\nM3\nM5\nG1 X5 F3000\nG4 S6\nG1 X6\n");
+    assert_eq!(record.faults, []);
+    let rests = |sample: &&Sample| sample.reference_velocity == [0.0; 2];
+    let samples = record.trace.samples();
+    let dwell = (5.7 / (samples[1].time - samples[0].time)) as usize;
+    let begun = samples
+        .iter()
+        .zip(samples.iter().skip(dwell))
+        .skip_while(|(first, _)| rests(first))
+        .find(|(first, last)| rests(first) && rests(last))
+        .map(|(first, _)| first.time)
+        .expect("it rests");
+    let resting: Vec<Sample> = samples
+        .iter()
+        .filter(|sample| (begun + 0.5..begun + 5.5).contains(&sample.time))
+        .copied()
+        .collect();
+    assert!(resting.len() > 10_000 && resting.iter().all(|s| rests(&s)));
+    peak_to_peak(&resting)
+}
+
+#[test]
+fn an_arm_on_belts_at_rest_gives_little_torque() {
+    // Of the softest and of the stiffest belt it is more than that of a rigid arm.
+    for (stiffness, most) in [
+        (300.0, 12e-3),
+        (700.0, 5e-3),
+        (1250.0, 5e-3),
+        (2500.0, 5e-3),
+        (5000.0, 0.1),
+    ] {
+        let torque = torque_at_rest(with_belts(stiffness));
+        assert!(torque < most && torque > 1e-6, "{stiffness}: {torque} N·m");
+    }
+}
+
 #[test]
 fn an_arm_at_rest_gives_little_torque_in_every_working_mode() {
     // The jerk decides in which phase of a limit cycle the arm begins to settle: from some, an arm
@@ -75,25 +113,7 @@ fn an_arm_at_rest_gives_little_torque_in_every_working_mode() {
             ("max_jerk = ", &format!("max_jerk = {jerk}.0")),
             ("angle = ", "angle = [[-6.28, 6.28], [-6.28, 6.28]]"),
         ]);
-        let record = run(robot, "G21 G90\nM3\nM5\nG1 X5 F3000\nG4 S6\nG1 X6\n");
-        assert_eq!(record.faults, [], "{mode}");
-        let rests = |sample: &&Sample| sample.reference_velocity == [0.0; 2];
-        let samples = record.trace.samples();
-        let dwell = (5.7 / (samples[1].time - samples[0].time)) as usize;
-        let begun = samples
-            .iter()
-            .zip(samples.iter().skip(dwell))
-            .skip_while(|(first, _)| rests(first))
-            .find(|(first, last)| rests(first) && rests(last))
-            .map(|(first, _)| first.time)
-            .expect("it rests");
-        let resting: Vec<Sample> = samples
-            .iter()
-            .filter(|sample| (begun + 0.5..begun + 5.5).contains(&sample.time))
-            .copied()
-            .collect();
-        assert!(resting.len() > 10_000 && resting.iter().all(|s| rests(&s)));
-        let torque = peak_to_peak(&resting);
+        let torque = torque_at_rest(robot);
         assert!(torque < 5e-3 && torque > 1e-5, "{mode}: {torque} N·m");
     }
 }
