@@ -13,7 +13,11 @@ def a_phone_has_all_of_it_and_the_emergency_stop_in_view(page):
     browser = page.browser
     for width in (360, 390):
         browser.resize(width, 844, mobile=True)
-        wide = browser.script("return [innerWidth, document.documentElement.scrollWidth];")
+        # The plots follow the window a frame later, on a busy machine some frames.
+        until = time.monotonic() + 2
+        wide = None
+        while wide != [width, width] and time.monotonic() < until:
+            wide = browser.script("return [innerWidth, document.documentElement.scrollWidth];")
         assert wide == [width, width], f"the page is {wide[1]} px wide on {width} px"
     for end in ("0", "document.body.scrollHeight"):
         browser.script(f"scrollTo(0, {end});")
