@@ -5,8 +5,9 @@ use super::ArmController;
 use super::homing_state::{HomingConfig, HomingState, limited};
 use super::joint::Joint;
 use super::model::{AxisModel, Model};
+use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
-use crate::drives::Drives;
+use crate::drives::{Drives, Needs};
 use crate::io::ArmSample;
 use crate::safety::{Event, Fault, Limits};
 use crate::settings::{AxisSettings, HomingMethod};
@@ -80,6 +81,14 @@ impl<D: Drives> ArmController<D> {
             config4,
             read(closed4, index4, current4),
         )?;
+        if let Needs::Motion = D::NEEDS {
+            let [state1, state4] = &self.homing;
+            self.setpoint = Setpoint {
+                direction: Vector2::units([state1.angle, state4.angle]),
+                omega: [state1.rate, state4.rate],
+                alpha: [0.0; 2],
+            };
+        }
         self.error = [error1, error4];
         if self.model.monitor.following_error_exceeded(self.error) {
             return Err(Fault::FollowingError);

@@ -251,6 +251,13 @@ impl<D: Drives> ArmController<D> {
         let [joint1, joint4] = &self.joints;
         [joint1.velocity(), joint4.velocity()]
     }
+
+    /// θ1, θ4 as counted at this tick's sample [rad].
+    #[inline(always)]
+    fn counted(&self) -> [f32; 2] {
+        let ([joint1, joint4], [axis1, axis4]) = (&self.joints, &self.model.axes);
+        [joint1.counted(axis1), joint4.counted(axis4)]
+    }
 }
 
 /// A controller that is not shared needs no lock.

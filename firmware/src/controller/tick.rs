@@ -189,6 +189,7 @@ impl<D: Drives> ArmController<D> {
         let limited = self.drives.drive(&Demand {
             torque: command.torque.map(|torque| share * torque),
             velocity: self.velocities(),
+            counted: self.counted(),
             motion: Motion {
                 direction: [u1.into(), u4.into()],
                 velocity: omega,

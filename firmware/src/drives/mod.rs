@@ -8,9 +8,11 @@
 //! |---|---|---|---|
 //! | [`BrushedDrives`]: brushed motors on H-bridges | a torque | ADC codes of currents and bus voltage | of the current loop |
 //! | [`TorqueDrives`]: drives that close their own current loops | a torque | torques, and their age | of transmission |
+//! | [`StepDrives`]: step and direction for stepper motors | a motion | the micro-steps that are made | one tick |
 
 mod brushed;
 mod excitation;
+mod step;
 mod torque;
 
 use crate::safety::Fault;
@@ -18,6 +20,7 @@ use crate::settings::{CheckedSettings, ControlSettings, Settings};
 pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
 use fivebar_kinematics::five_bar::Joint;
+pub use step::{StepCommand, StepDrives, StepSample};
 pub use torque::{OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
 
 /// Ticks from one watch of a joint's drive to the next, see [`Drives::watch_heat`].
@@ -43,8 +46,19 @@ pub struct Demand {
     pub torque: [f32; 2],
     /// The joints' measured velocities [rad/s].
     pub velocity: [f32; 2],
-    /// The motion that the torque is for. Drives that need a torque ignore it.
+    /// θ1, θ4 as counted at this tick's sample [rad].
+    pub counted: [f32; 2],
+    /// The motion that the torque is for: of drives that take a torque, only while the arm follows its path.
     pub motion: Motion,
+}
+
+/// What drives need of a [`Demand`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// The torques.
+    Torque,
+    /// The motion, also while the arm homes.
+    Motion,
 }
 
 /// The motion of both joints when the torque acts.
@@ -92,6 +106,9 @@ pub trait Drives: Clone {
     type Sample: Copy + Default + PartialEq + core::fmt::Debug;
     /// What the drives do until the next tick, besides their enable. Its default is the safe state: no torque.
     type Command: Copy + Default + PartialEq + core::fmt::Debug;
+
+    /// What they need.
+    const NEEDS: Needs;
 
     /// How long the drives take from their enable until they drive [s].
     const WAKE_UP_TIME: f32;

@@ -1,7 +1,7 @@
 //! Drives that close their own current loops, and take a torque: an ideal one, as what a drive on a bus is measured
 //! with.
 
-use super::{DriveReport, Drives, Excitation, Excited, JointState, Stage};
+use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
 use crate::drives::Demand;
 use crate::safety::Fault;
 use crate::settings::{CheckedSettings, ControlSettings, Settings};
@@ -46,6 +46,7 @@ impl Drives for TorqueDrives {
     type Sample = TorqueSample;
     type Command = TorqueSetPoint;
 
+    const NEEDS: Needs = Needs::Torque;
     /// They drive at once.
     const WAKE_UP_TIME: f32 = 0.0;
 

@@ -5,7 +5,7 @@ mod motor;
 mod motor_check;
 mod oscillation;
 
-use super::{DriveReport, Drives, Excitation, Excited, JointState, Stage};
+use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
 use crate::drives::Demand;
 use crate::safety::Fault;
 use crate::settings::{CheckedSettings, ControlSettings, Settings};
@@ -68,6 +68,7 @@ impl Drives for BrushedDrives {
     type Sample = BrushedSample;
     type Command = BrushedCommand;
 
+    const NEEDS: Needs = Needs::Torque;
     const WAKE_UP_TIME: f32 = crate::drivers::WAKE_UP_TIME;
 
     fn new(settings: &CheckedSettings) -> Self {
