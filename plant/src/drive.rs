@@ -1,6 +1,6 @@
 //! One drive that is not ideal: motor, spring and friction at one state.
 //!
-//! τm = n k(θm) i + τc(θm)   motor with its ripple and cogging
+//! τm = n k(θm) i + τc(θm) + τx   motor with its ripple and cogging, and what else turns its rotor
 //! τ = k x + d ẋ             through the spring, x = θm − θ; rigid: τ = τm
 //! n² J θ̈m = τm − τ
 //! τ + τf(θ̇, z)              turns the joint, with the friction
@@ -79,7 +79,7 @@ impl Drive {
         self.spring.is_none() && self.friction.is_none() && self.ripple.is_none()
     }
 
-    /// What it does with the joint at θ and θ̇ and the current i [A].
+    /// What it does with the joint at θ and θ̇, the current i [A] and a torque τx on the rotor [N·m].
     #[inline]
     pub(crate) fn action(
         &self,
@@ -87,7 +87,7 @@ impl Drive {
         state: &DriveState,
         theta: f64,
         omega: f64,
-        current: f64,
+        (current, extra): (f64, f64),
     ) -> DriveAction {
         let (angle, speed) = match self.spring {
             Some(_) => (state.angle, state.speed),
@@ -95,7 +95,7 @@ impl Drive {
         };
         let (share, cogging) = self.ripple.map_or((1.0, 0.0), |ripple| ripple.at(angle));
         let constant = motor.gear_ratio * motor.torque_constant * share;
-        let driving = constant * current + cogging;
+        let driving = constant * current + cogging + extra;
         let Sliding { rate, torque, loss } = match &self.friction {
             Some(friction) => friction.at(omega, state.bristles),
             None => {

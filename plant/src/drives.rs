@@ -32,6 +32,8 @@ pub struct Drives {
     energy: Energy,
     /// The duties of the latest tick.
     duty: [Option<f64>; 2],
+    /// Torques on the rotors besides those of their currents, at the joint [N·m]. Their work is not in the energy.
+    pub(crate) motor_torque: [f64; 2],
     /// The longest integration step while the joints are at rest [s].
     longest_at_rest: f64,
 }
@@ -80,24 +82,21 @@ impl Whole {
 }
 
 impl Drives {
-    /// The drives of an arm with this mismatch, at rest in `state`. None if all are ideal.
+    /// The drives of an arm with this mismatch, at rest in `state`.
     pub(crate) fn new(
         parameters: &Parameters,
         mismatch: &Mismatch,
         model: &Model,
         state: &State,
-    ) -> Option<Self> {
+    ) -> Self {
         let links = model.about_pivots();
         let drives =
             Joint::ALL.map(|j| Drive::new(parameters, mismatch, j, &model.motors[j], links[j]));
         let resistance = mismatch.supply_resistance;
         let supply = (resistance > 0.0).then_some(Supply { resistance });
-        if supply.is_none() && drives.iter().all(Drive::is_ideal) {
-            return None;
-        }
         let steps =
             Joint::ALL.map(|j| drives[j].longest_step_at_rest(&model.motors[j], resistance));
-        Some(Self {
+        Self {
             longest_at_rest: model.longest_step().min(steps[0]).min(steps[1]),
             drives,
             supply,
@@ -108,7 +107,13 @@ impl Drives {
             }),
             energy: Energy::default(),
             duty: [None; 2],
-        })
+            motor_torque: [0.0; 2],
+        }
+    }
+
+    /// Whether none of their effects is on.
+    pub(crate) fn are_ideal(&self) -> bool {
+        self.supply.is_none() && self.drives.iter().all(Drive::is_ideal)
     }
 
     /// Puts the drives to rest behind the joints of `state`.
@@ -213,7 +218,8 @@ impl Drives {
     #[inline]
     fn action(&self, model: &Model, arm: &State, state: &DriveState, j: Joint) -> DriveAction {
         let (theta, omega) = (arm.q[DRIVEN[j]].angular, arm.v[DRIVEN[j]].angular);
-        self.drives[j].action(&model.motors[j], state, theta, omega, arm.current[j])
+        let inputs = (arm.current[j], self.motor_torque[j]);
+        self.drives[j].action(&model.motors[j], state, theta, omega, inputs)
     }
 
     /// The longest integration step that resolves the drives at this state [s].

@@ -48,7 +48,7 @@ pub struct Plant {
     state: State,
     wear: Option<WornJoints>,
     /// Drives that are not ideal.
-    drives: Option<Drives>,
+    pub(crate) drives: Option<Drives>,
     encoders: [TrueEncoder; 2],
     delay: Option<Delay>,
     sensors: [JointSensors; 2],
@@ -130,7 +130,8 @@ impl Plant {
                 )
             }),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
-            drives: Drives::new(parameters, mismatch, &model, &state),
+            drives: Some(Drives::new(parameters, mismatch, &model, &state))
+                .filter(|drives| !drives.are_ideal()),
             encoders,
             delay: Delay::new(Joint::ALL.map(latency)),
             state,
@@ -253,14 +254,20 @@ impl Plant {
     /// The bridges apply the outputs of the tick before, because PWM registers load at the
     /// end of their period.
     pub fn step(&mut self, command: &ActuatorCommand, period: f64) {
-        self.inject_due_faults();
-        self.missed_ticks = std::mem::take(&mut self.late_by);
-        for _ in 0..=self.missed_ticks {
+        for _ in 0..=self.begin_tick() {
             self.advance(command, period);
         }
     }
 
-    fn advance(&mut self, command: &ActuatorCommand, period: f64) {
+    /// Injects the faults that are due. Returns the ticks that the controller misses.
+    pub(crate) fn begin_tick(&mut self) -> u32 {
+        self.inject_due_faults();
+        self.missed_ticks = std::mem::take(&mut self.late_by);
+        self.missed_ticks
+    }
+
+    /// Advances by `period` [s], by the outputs of the call before.
+    pub(crate) fn advance(&mut self, command: &ActuatorCommand, period: f64) {
         let command = match &self.wiring {
             None => *command,
             Some((wiring, _)) => wiring.driven(command),
@@ -320,9 +327,7 @@ impl Plant {
 
     /// The duty of a bridge as its compare register holds it; none if it is off.
     fn duty(&self, command: &ActuatorCommand, joint: Joint) -> Option<f64> {
-        let off =
-            self.faults.disconnected[joint] || self.faults.driver_fault[joint] || self.is_stopped();
-        if off || !command.enable[joint] {
+        if !self.is_powered(joint) || !command.enable[joint] {
             return None;
         }
         // The compare register holds whole steps; NaN becomes 0.

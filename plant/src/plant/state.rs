@@ -41,8 +41,7 @@ impl Plant {
     /// The angle of a drive's rotor, over the gear ratio [rad]; of a rigid drive, its
     /// joint's.
     pub fn rotor_angle(&self, joint: Joint) -> f64 {
-        let behind = self.drives.as_ref().and_then(|drives| drives.rotor(joint));
-        behind.map_or_else(|| self.angle(joint), |(angle, _)| angle)
+        self.rotor(joint).0
     }
     /// The drives, if any of their effects is on.
     pub fn drives(&self) -> Option<&Drives> {
@@ -67,14 +66,27 @@ impl Plant {
     }
     /// The angle [rad] and speed [rad/s] of an encoder's shaft, over the gear ratio.
     pub(super) fn shaft(&self, joint: Joint) -> (f64, f64) {
-        let behind = match (self.encoders[joint].side, &self.drives) {
-            (EncoderSide::Motor, Some(drives)) => drives.rotor(joint),
-            _ => None,
-        };
-        behind.unwrap_or_else(|| {
-            let link = DRIVEN[joint];
-            (self.state.q[link].angular, self.state.v[link].angular)
-        })
+        match self.encoders[joint].side {
+            EncoderSide::Motor => self.rotor(joint),
+            EncoderSide::Joint => self.joint(joint),
+        }
+    }
+
+    /// The angle [rad] and speed [rad/s] of a drive's rotor, over the gear ratio.
+    pub(crate) fn rotor(&self, joint: Joint) -> (f64, f64) {
+        let behind = self.drives.as_ref().and_then(|drives| drives.rotor(joint));
+        behind.unwrap_or_else(|| self.joint(joint))
+    }
+
+    fn joint(&self, joint: Joint) -> (f64, f64) {
+        let link = DRIVEN[joint];
+        (self.state.q[link].angular, self.state.v[link].angular)
+    }
+
+    /// Whether no fault and no emergency stop cuts a motor's power.
+    pub(crate) fn is_powered(&self, joint: Joint) -> bool {
+        let cut = self.faults.disconnected[joint] || self.faults.driver_fault[joint];
+        !cut && !self.is_stopped()
     }
 
     /// The encoder's counts.

@@ -1,0 +1,91 @@
+//! A hybrid stepper motor with two phases, and what follows from its data in closed form.
+//!
+//! τ = −K i_a sin Nθ + K i_b cos Nθ − τ_d sin 4Nθ, with i_a = I cos φ and i_b = I sin φ:
+//! τ = K I sin(φ − Nθ) − τ_d sin 4Nθ.
+//!
+//! θ is the motor's angle, φ that of the field, N a quarter of the full steps of a turn, K the holding torque over
+//! the rated current I, τ_d the detent torque.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// A stepper motor with its driver's micro-steps and its gear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepper {
+    /// Full steps in a turn of the motor.
+    pub steps_per_turn: u32,
+    /// Micro-steps in a full step.
+    pub microsteps: u32,
+    /// Motor turns per joint turn; negative if the motor turns against its joint.
+    pub gear_ratio: f64,
+    /// Rotor inertia at the motor's shaft [kg·m²].
+    pub rotor_inertia: f64,
+    /// Holding torque at the rated current, at the motor's shaft [N·m].
+    pub holding_torque: f64,
+    /// Rated current I of a phase [A].
+    pub rated_current: f64,
+    /// Resistance R of a phase [Ω].
+    pub resistance: f64,
+    /// Inductance L of a phase [H].
+    pub inductance: f64,
+    /// Detent torque τ_d at the motor's shaft [N·m].
+    pub detent_torque: f64,
+    /// Whether an encoder counts, as the settings' axis says; without one the counts are the micro-steps made.
+    pub encoder: bool,
+}
+
+impl Stepper {
+    /// N, the periods of the torque in a turn of the motor.
+    pub fn periods(&self) -> f64 {
+        f64::from(self.steps_per_turn) / 4.0
+    }
+
+    /// K [N·m/A], equal to the back-EMF constant [V·s/rad].
+    pub fn torque_constant(&self) -> f64 {
+        self.holding_torque / self.rated_current
+    }
+
+    /// The field's angle φ after so many micro-steps [rad].
+    pub fn field(&self, microsteps: i64) -> f64 {
+        let per_full_step = i64::from(self.microsteps);
+        // Whole turns of the field first: the angle stays exact however far the motor turns.
+        let in_turn = microsteps.rem_euclid(4 * per_full_step);
+        in_turn as f64 * FRAC_PI_2 / per_full_step as f64
+    }
+
+    /// The torque of the detents alone, at the motor's angle [rad] from a full step [N·m].
+    pub fn detent(&self, angle: f64) -> f64 {
+        -self.detent_torque * libm::sin(4.0 * self.periods() * angle)
+    }
+
+    /// The energy in the detents at that angle; 0 at a full step [J].
+    pub fn detent_energy(&self, angle: f64) -> f64 {
+        let phase = 4.0 * self.periods() * angle;
+        self.detent_torque / (4.0 * self.periods()) * (1.0 - libm::cos(phase))
+    }
+
+    /// The greatest steady torque at the motor's speed ω [rad/s] on this supply [V], at the motor's shaft [N·m]:
+    ///
+    /// min(T, K V/|Z| − K² ω R/|Z|²), |Z|² = R² + (NωL)².
+    ///
+    /// V is the amplitude of the voltage that the driver gives a winding, T the holding torque. A driver that gives the
+    /// full supply in turns gives up to 4/π of V and more torque. Where both terms of the minimum are near each other,
+    /// current and voltage are limited at once, and there the motor gives up to 5 % less.
+    pub fn pull_out_torque(&self, speed: f64, supply: f64) -> f64 {
+        let (k, r, speed) = (self.torque_constant(), self.resistance, speed.abs());
+        let reactance = self.periods() * speed * self.inductance;
+        let squared = r * r + reactance * reactance;
+        let driven = k * supply / squared.sqrt() - k * k * speed * r / squared;
+        driven.clamp(0.0, self.holding_torque)
+    }
+
+    /// The frequency of small oscillations about the field at the rated current, √(N T/J)/2π [Hz], with the inertia
+    /// of rotor and load at the motor's shaft [kg·m²].
+    pub fn natural_frequency(&self, inertia: f64) -> f64 {
+        (self.periods() * self.holding_torque / inertia).sqrt() / TAU
+    }
+
+    /// The inertia at the motor's shaft [kg·m²] that oscillates with this frequency [Hz].
+    pub fn inertia_at(&self, natural_frequency: f64) -> f64 {
+        self.periods() * self.holding_torque / (TAU * natural_frequency).powi(2)
+    }
+}
