@@ -53,6 +53,9 @@ pub enum DriveError {
     /// The user stopped the job.
     #[error("stopped by the user{}; the bridges are off", at_line(*.0))]
     Stopped(Option<u32>),
+    /// A pause waits for a key, and the input is closed.
+    #[error("the job waits for Enter ({0}), but its input is closed; run it in a terminal")]
+    NoInput(String),
     /// Homing did not find the switches.
     #[error("the joints did not find their home switches within 60 s")]
     NeverHomed,

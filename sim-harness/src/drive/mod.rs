@@ -5,6 +5,7 @@ mod error;
 use crate::held;
 use crate::link::{Client, LinkError};
 use crate::measured_pose::measured_pose;
+use fivebar_files::job::Pause;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, SectionKey};
 use fivebar_firmware::safety::State;
@@ -162,10 +163,34 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         settings: &Settings,
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
+        self.follow_with_pauses(moves, &[], settings, progress, &mut |_| Ok(true))
+    }
+
+    /// As [`Self::follow`], and the arm rests at each pause until `goes_on` returns true, which is asked
+    /// about a hundred times a second.
+    ///
+    /// # Errors
+    /// As [`Self::follow`], and what `goes_on` refuses.
+    pub fn follow_with_pauses(
+        &mut self,
+        moves: &[Move],
+        pauses: &[Pause],
+        settings: &Settings,
+        progress: &mut dyn FnMut(usize, &Status),
+        goes_on: &mut dyn FnMut(&Pause) -> Result<bool, DriveError>,
+    ) -> Result<(), DriveError> {
         let tool = self.tool()?;
         self.planner(settings)?.check_all(tool, moves)?;
         self.request(Request::Arm)?;
-        let outcome = self.stream(moves, progress);
+        let mut outcome = Ok(());
+        let mut taken = 0;
+        for pause in pauses {
+            outcome = outcome
+                .and_then(|()| self.stream(&moves[..pause.before], taken, progress))
+                .and_then(|()| self.wait_at(pause, progress, goes_on));
+            taken = pause.before;
+        }
+        let outcome = outcome.and_then(|()| self.stream(moves, taken, progress));
         if outcome.is_err() {
             self.bring_to_rest()?;
         }
@@ -177,13 +202,32 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         outcome.and(disarmed)
     }
 
+    /// Holds the arm at rest until the job goes on.
+    fn wait_at(
+        &mut self,
+        pause: &Pause,
+        progress: &mut dyn FnMut(usize, &Status),
+        goes_on: &mut dyn FnMut(&Pause) -> Result<bool, DriveError>,
+    ) -> Result<(), DriveError> {
+        while !goes_on(pause)? {
+            let status = self.fault_free_status()?;
+            progress(pause.before, &status);
+            if (self.wants_stop)() {
+                return Err(DriveError::Stopped(status.tag));
+            }
+            self.client.poll()?;
+        }
+        Ok(())
+    }
+
+    /// Does the moves from the index `taken` on.
     fn stream(
         &mut self,
         moves: &[Move],
+        mut taken: usize,
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
         let (_, all_room) = self.client.status()?;
-        let mut taken = 0;
         let mut idle_since = None;
         loop {
             let (status, room) = self.client.status()?;

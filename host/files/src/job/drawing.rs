@@ -1,14 +1,22 @@
 //! Strokes as a job: sorted for short travel, each pen's after those of the one before.
 
 use super::motion::{MIN_LENGTH, within_reach};
-use super::{Action, Job, JobError, JobOptions, Placement, Step, Warning, order};
+use super::{
+    Action, Job, JobError, JobOptions, Placement, Step, Stop, Warning, WarningKind, order,
+};
 
 /// A polyline [m].
 pub(super) type Stroke = Vec<[f64; 2]>;
 
-/// The job that draws the strokes of each pen.
+/// What one pen draws.
+pub(super) struct Pen {
+    pub(super) name: String,
+    pub(super) strokes: Vec<Stroke>,
+}
+
+/// The job that draws the strokes of each pen, with a stop between two pens.
 pub(super) fn job(
-    pens: impl IntoIterator<Item = Vec<Stroke>>,
+    mut pens: Vec<Pen>,
     warnings: Vec<Warning>,
     placement: &Placement,
     options: &JobOptions,
@@ -18,11 +26,24 @@ pub(super) fn job(
         warnings,
         ..Job::default()
     };
+    pens.retain(|pen| !pen.strokes.is_empty());
+    if pens.len() > 1 {
+        let names = pens.iter().map(|pen| pen.name.clone()).collect();
+        job.warnings.push(Warning::at(0, WarningKind::Pens(names)));
+    }
     let mut end = [0.0; 2];
     let mut at: Option<[f64; 2]> = None;
     let mut number = 0;
-    for strokes in pens {
-        for stroke in order::sorted(strokes, end) {
+    for pen in pens {
+        if number > 0 {
+            job.stops.push(Stop {
+                line: 2 * number + 1,
+                before: job.steps.len(),
+                code: "Pen change".into(),
+                name: Some(pen.name),
+            });
+        }
+        for stroke in order::sorted(pen.strokes, end) {
             number += 1;
             for (index, &point) in stroke.iter().enumerate() {
                 end = point;

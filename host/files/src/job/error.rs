@@ -297,8 +297,8 @@ impl fmt::Display for Warning {
             WarningKind::Pens(pens) => {
                 return write!(
                     f,
-                    "pens {} are drawn one after the other without a stop; to change the pen, draw \
-                     the part of each as a file of its own",
+                    "the pens are {}, in this order; a machine waits for you between them, a \
+                     simulation goes on at once",
                     pens.join(", ")
                 );
             }

@@ -225,6 +225,7 @@ impl Interpreter {
                 line: number,
                 before: self.job.steps.len(),
                 code: stops.clone(),
+                name: line.comment.clone(),
             });
             self.job.note(number, WarningKind::Stop(stops));
         }

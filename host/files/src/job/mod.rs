@@ -16,6 +16,7 @@ mod motion;
 mod options;
 mod order;
 mod pen_speeds;
+mod stop;
 mod stream;
 #[cfg(feature = "svg")]
 mod svg;
@@ -25,6 +26,7 @@ mod words;
 
 pub use error::{GcodeError, JobError, Warning, WarningKind};
 pub use options::{Dialect, JobOptions, ToolLevels};
+pub use stop::{Pause, Stop};
 pub use stream::JobStream;
 pub use text::read;
 pub use tool::ToolWords;
@@ -97,24 +99,6 @@ pub struct Job {
     pub is_drawing: bool,
     /// Whether a point depends on where home is, so that the job has another shape elsewhere.
     pub depends_on_home: bool,
-}
-
-/// A stop by M0, M1, M6 or T, at which a machine waits for its user. A simulation goes on.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stop {
-    /// The line of the file, from 1.
-    pub line: u32,
-    /// The number of steps before it.
-    pub before: usize,
-    /// The codes: "M0", "M6 T2".
-    pub code: String,
-}
-
-impl Stop {
-    /// Whether it comes behind the motion of its line: M0 and M1. A tool is changed before it.
-    pub fn ends_line(&self) -> bool {
-        self.code.starts_with("M0") || self.code.starts_with("M1")
-    }
 }
 
 /// One action of the tool, with its line.

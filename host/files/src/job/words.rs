@@ -22,6 +22,8 @@ pub(super) struct Line {
     pub(super) general: Vec<Code>,
     /// The M and T codes, in order, each with its S if it has one.
     pub(super) miscellaneous: Vec<(Code, Option<f64>)>,
+    /// The comment of a line that stops.
+    pub(super) comment: Option<String>,
     /// Whether the line has a checksum.
     pub(super) has_checksum: bool,
     /// A setting or a command of Grbl, such as `$H`, which is skipped.
@@ -58,10 +60,21 @@ impl Line {
             },
             (line, _) => line?,
         };
+        let comment = match line.stops() {
+            true => comment(summed),
+            false => None,
+        };
         Ok(Self {
+            comment,
             has_checksum,
             ..line
         })
+    }
+
+    /// Whether it has M0, M1, M6 or T.
+    fn stops(&self) -> bool {
+        let mut codes = self.miscellaneous.iter();
+        codes.any(|(code, _)| matches!(code, ('M', 0 | 1 | 6, 0) | ('T', ..)))
     }
 
     /// A line that begins with `$`, as Grbl has it. Jogs are refused, because they would move the
@@ -323,6 +336,15 @@ fn without_comments(text: &str) -> Result<String, GcodeError> {
     }
     kept.push_str(rest);
     Ok(kept)
+}
+
+/// The text of the first comment, if it has some.
+fn comment(text: &str) -> Option<String> {
+    let comment = text[text.find(['(', ';'])?..]
+        .split([')', '\r', '\n'])
+        .next()?;
+    let comment = comment.trim_start_matches(['(', ';']).trim();
+    (!comment.is_empty()).then(|| quoted(comment))
 }
 
 /// The number of the M code with which a line begins, after its line number, if this code is

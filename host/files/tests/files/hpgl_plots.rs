@@ -75,7 +75,7 @@ fn pens_are_drawn_one_after_the_other_and_noted() {
     assert_eq!(x, [0.0, 1.0, 2.0, 3.0, 10.0, 11.0]);
     let note = plot.warnings[0].to_string();
     assert!(
-        note.starts_with("pens 2, 1 are drawn one after the other"),
+        note.starts_with("the pens are pen 2, pen 1, in this order"),
         "{note}"
     );
 }

@@ -285,3 +285,47 @@ fn a_drawing_that_would_take_minutes_is_refused_by_its_size() {
     let circle = "<g id=\"a\"><use href=\"#b\"/></g><g id=\"b\"><use href=\"#a\"/></g>";
     assert!(read(&page(circle)).is_err());
 }
+
+/// The names of the pens behind the first one, each with the first x of its strokes [mm].
+fn pens(content: &str) -> Vec<(String, f64)> {
+    let job = read(&page(content)).unwrap();
+    let pens = job.stops.iter().map(|stop| {
+        let [x, _] = job.steps[stop.before].action.end().unwrap();
+        (stop.name.clone().unwrap(), (1e3 * x).round())
+    });
+    pens.collect()
+}
+
+#[test]
+fn layers_are_pens_and_without_them_the_colours_of_lines_are() {
+    let red = "<path d=\"M10 0H11\" stroke=\"red\"/>";
+    let blue = "<path d=\"M20 0H21\" style=\"stroke:#0000ff\"/>";
+    let filled = "<path d=\"M30 0h1v1z\" fill=\"#00ff00\"/>";
+    let layer = |id: &str, label: &str, content: &str| {
+        format!(
+            "<g xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" id=\"{id}\" \
+             inkscape:groupmode=\"layer\" {label}>{content}</g>"
+        )
+    };
+    let outlines = layer("a", "inkscape:label=\"Outlines\"", &format!("{red}{blue}"));
+    let nested = layer("c", "", &layer("d", "inkscape:label=\"inner\"", filled));
+    let hatching = layer("b", "inkscape:label=\"Hatching &amp; more\"", blue);
+    let found = pens(&format!("{outlines}{hatching}{nested}"));
+    assert_eq!(
+        found,
+        [("Hatching & more".into(), 20.0), ("c".into(), 30.0)]
+    );
+    assert_eq!(pens(&outlines), [("#0000ff".into(), 20.0)]);
+    let found = pens(&format!("{red}{filled}{blue}{red}"));
+    assert_eq!(found, [("#00ff00".into(), 30.0), ("#0000ff".into(), 21.0)]);
+    // Fills alone are no lines to be drawn with pens of their own.
+    assert_eq!(pens(&format!("{red}{filled}")), []);
+    let many = (0..20).map(|at| format!("<path d=\"M{at} 0h1\" stroke=\"#0000{at:02}\"/>"));
+    let job = read(&page(&many.collect::<String>())).unwrap();
+    assert!(
+        job.stops.is_empty()
+            && job.warnings[0]
+                .to_string()
+                .contains("more colours than pens")
+    );
+}

@@ -1,14 +1,16 @@
 //! `fivebar drive`: a job on a controller that drives motors.
 
+use super::enter_key::EnterKey;
 use super::failure::{Failure, refused};
 use super::log::LogArgs;
 use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
+use fivebar_files::job::Pause;
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
-use fivebar_firmware::Move;
 use fivebar_firmware::protocol::Board;
+use fivebar_firmware::{Move, Status};
 use fivebar_sim::drive::{Drive, DriveError, Homing};
 use fivebar_sim::simulation::{Sample, Trace};
 use fivebar_sim::time_optimal::JobPlanner;
@@ -95,18 +97,31 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let mut planner = drive.planner(&settings)?;
         has_crossed = planner.assembly() != settings.assembly();
         moves = scenario.moves_in(planner.workspace().mode, Some(planner.assembly()), &job)?;
+        let mut pauses;
+        (moves, pauses) = job.with_pauses(&moves);
         if let Some(share) = scenario.time_optimal {
             let job = JobPlanner::new(&scenario.robot, share)?;
-            moves = job.moves(drive.tool()?, &moves, &mut planner)?;
+            let planned = job.plan(drive.tool()?, &moves, &mut planner)?;
+            for pause in &mut pauses {
+                pause.before = planned
+                    .partition_point(|piece| piece.source.is_none_or(|it| it < pause.before));
+            }
+            moves = planned.iter().map(|piece| piece.next).collect();
         }
-        drive.follow(&moves, &settings, &mut |taken, status| {
+        let mut on_progress = |taken: usize, status: &Status| {
             let last = taken.checked_sub(1).and_then(|last| moves.get(last));
             bar.set_position(millimetres(done(last)));
             let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
             if let Some(sample) = Sample::reported(status, f64::from(ticks) / tick_rate) {
                 trace.push(sample);
             }
-        })
+        };
+        let mut enter = (!pauses.is_empty()).then(|| EnterKey::of_terminal(&bar));
+        let mut goes_on = |pause: &Pause| match &mut enter {
+            Some(enter) => enter.lets_go_on(pause),
+            None => Ok(true),
+        };
+        drive.follow_with_pauses(&moves, &pauses, &settings, &mut on_progress, &mut goes_on)
     };
     let outcome = go();
     bar.finish_and_clear();

@@ -14,6 +14,7 @@ mod demo;
 mod design;
 mod doctor;
 mod drive;
+mod enter_key;
 mod examples;
 mod export;
 mod failure;

@@ -213,6 +213,10 @@ impl ControllerThread {
         match status {
             JobStatus::Unchanged => {}
             JobStatus::Finished => self.notice("The job is done."),
+            JobStatus::Paused => {
+                let pause = self.feeder.pause().unwrap_or_default();
+                self.notice(&format!("{pause}. The job waits: press Resume."));
+            }
             JobStatus::Held => {
                 let line = self.feeder.line().unwrap_or_default();
                 self.notice(&format!(
@@ -316,6 +320,7 @@ impl ControllerThread {
             progress: self.feeder.progress(),
             left: self.feeder.left(tick_rate),
             held: self.feeder.held().and_then(|_| self.feeder.line()),
+            pause: self.feeder.pause(),
             run_on: self.run_on,
             feed: self.feeder.feed(),
         }));

@@ -179,6 +179,8 @@ pub(super) struct StateMessage<'a> {
     pub(super) left: Option<f64>,
     /// The line at which a stopped job can go on.
     pub(super) held: Option<u32>,
+    /// The pause at which the job waits for its user.
+    pub(super) pause: Option<&'a str>,
     /// Whether the job runs on when no page is in control.
     pub(super) run_on: bool,
     /// The share of the job's feed rates.
@@ -289,6 +291,7 @@ mod tests {
             progress: None,
             left: None,
             held: None,
+            pause: None,
             run_on: false,
             feed: 1.0,
         };

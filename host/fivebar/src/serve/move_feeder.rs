@@ -34,6 +34,10 @@ struct RunningJob {
     job: Arc<ParsedJob>,
     /// The number of its moves that were put on their way.
     sent: usize,
+    /// The number of its moves up to the next pause, or to its end.
+    until: usize,
+    /// The pause at which it waits for its user.
+    pause: Option<String>,
     phase: JobPhase,
     /// Where the tool should have been when the job was last seen to go on [m].
     place: Option<[f32; 2]>,
@@ -89,6 +93,40 @@ pub(super) enum JobStatus {
     Finished,
     /// The controller no longer accepts moves: the job waits at its place.
     Held,
+    /// The arm rests where the job waits for its user.
+    Paused,
+}
+
+impl RunningJob {
+    /// The job from its piece with this index on.
+    fn new(job: Arc<ParsedJob>, index: usize) -> Self {
+        Self {
+            until: until(&job, index),
+            job,
+            sent: index,
+            pause: None,
+            phase: JobPhase::Fed,
+            place: None,
+            begun: None,
+            seen: 0,
+            arm: None,
+        }
+    }
+
+    /// Holds at the pause where all moves up to it are done; the next moves are those behind it.
+    fn hold_at_pause(&mut self) {
+        self.phase = JobPhase::Held;
+        let before = self.sent - 1;
+        let pause = self.job.next_pause(before);
+        self.pause = pause.map(|(_, text)| text.into());
+        self.until = until(&self.job, self.sent);
+    }
+}
+
+/// The number of a job's moves up to the first pause behind this many, or to its end.
+fn until(job: &ParsedJob, sent: usize) -> usize {
+    let pause = job.next_pause(sent);
+    pause.map_or(job.pieces.len(), |(before, _)| before)
 }
 
 impl MoveFeeder {
@@ -109,6 +147,11 @@ impl MoveFeeder {
     pub(super) fn held(&self) -> Option<(&Arc<ParsedJob>, [f32; 2], &Status)> {
         let run = self.job.as_ref()?;
         (run.phase != JobPhase::Fed).then_some((&run.job, run.place?, run.arm.as_ref()?))
+    }
+
+    /// The pause at which the job waits for its user.
+    pub(super) fn pause(&self) -> Option<&str> {
+        self.job.as_ref()?.pause.as_deref()
     }
 
     /// The part of the job at which it goes on; none if no job was begun.
@@ -164,15 +207,7 @@ impl MoveFeeder {
             let tag = index as u32 + 1;
             self.path.push(&[Move { tag, tool: 0, kind }]);
         }
-        self.job = Some(RunningJob {
-            job,
-            sent: index,
-            phase: JobPhase::Fed,
-            place: None,
-            begun: None,
-            seen: 0,
-            arm: None,
-        });
+        self.job = Some(RunningJob::new(job, index));
         self.fill();
     }
 
@@ -184,9 +219,11 @@ impl MoveFeeder {
         {
             run.phase = JobPhase::Fed;
             run.begun = None;
+            run.pause = None;
+            // At a pause nothing waits; the way takes the number of the move that it leads to.
+            self.fill();
             self.path.resume_from(place, way);
         }
-        self.fill();
     }
 
     /// Puts moves of the job on their way.
@@ -195,6 +232,7 @@ impl MoveFeeder {
             return;
         };
         while self.path.waiting() < WAITING
+            && run.sent < run.until
             && let Some(next) = run.job.pieces.get(run.sent)
         {
             run.sent += 1;
@@ -302,13 +340,26 @@ impl MoveFeeder {
             if self.is_running() {
                 self.path.finish();
                 if self.path.is_empty() {
-                    self.job = None;
-                    return JobStatus::Finished;
+                    return self.end_at_rest();
                 }
             }
         }
         self.fill();
         JobStatus::Unchanged
+    }
+
+    /// Ends the job, or holds it at its pause, when all moves that it gave are done.
+    fn end_at_rest(&mut self) -> JobStatus {
+        match &mut self.job {
+            Some(run) if run.sent < run.job.pieces.len() => {
+                run.hold_at_pause();
+                JobStatus::Paused
+            }
+            _ => {
+                self.job = None;
+                JobStatus::Finished
+            }
+        }
     }
 
     /// Whether all moves are done. Between two ticks a queue may be empty although its

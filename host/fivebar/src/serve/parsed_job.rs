@@ -1,7 +1,7 @@
 //! A job that was read: its moves, and what the controller gets of them.
 
 use super::preview::{JobStart, Preview};
-use fivebar_files::job::Job;
+use fivebar_files::job::{Job, Pause};
 use fivebar_firmware::Move;
 use fivebar_sim::path_queue::{divided, duration, end, remaining};
 use fivebar_sim::time_optimal::JobPlanner;
@@ -14,6 +14,8 @@ pub(super) struct ParsedJob {
     pub(super) moves: Arc<[Move]>,
     /// The moves in parts short enough for a new share of the feed rate to take effect soon.
     parts: Vec<Move>,
+    /// Where it waits for its user, among the parts.
+    pauses: Vec<Pause>,
     /// What the controller gets: the parts, or a time-optimal motion along them.
     pub(super) pieces: Vec<Move>,
     /// The part that each piece belongs to.
@@ -26,10 +28,11 @@ pub(super) struct ParsedJob {
 
 impl ParsedJob {
     pub(super) fn new(name: String, job: Job, moves: Vec<Move>) -> Self {
-        let parts = divided(None, &moves);
+        let (parts, pauses) = job.with_pauses(&divided(None, &moves));
         let mut parsed = Self {
             name,
             job: Arc::new(job),
+            pauses,
             moves: moves.into(),
             pieces: parts.clone(),
             part_of: (0..parts.len()).collect(),
@@ -60,6 +63,7 @@ impl ParsedJob {
             job: Arc::clone(&self.job),
             moves: Arc::clone(&self.moves),
             parts: self.parts.clone(),
+            pauses: self.pauses.clone(),
             part_of: source.collect(),
             times: times(&pieces),
             pieces,
@@ -71,8 +75,14 @@ impl ParsedJob {
     pub(super) fn rest(&self, part: usize, place: [f32; 2]) -> Self {
         let (before, rest) = self.parts.split_at(part.min(self.parts.len()));
         let mut parts: Vec<Move> = Vec::with_capacity(rest.len() + 1);
+        let mut pauses = Vec::new();
         if let Some((first, others)) = rest.split_first() {
             parts.extend(remaining(place, *first));
+            let ahead = self.pauses.iter().filter(|pause| pause.before > part);
+            pauses.extend(ahead.map(|pause| Pause {
+                before: pause.before - part - 1 + parts.len(),
+                text: pause.text.clone(),
+            }));
             parts.extend(others);
         }
         let done = self.part_of.partition_point(|&of| of < before.len());
@@ -85,6 +95,7 @@ impl ParsedJob {
             part_of: (0..parts.len()).collect(),
             times: times(&parts),
             parts,
+            pauses,
             done: self.done + done,
         }
     }
@@ -92,6 +103,16 @@ impl ParsedJob {
     /// The part that the piece with this number belongs to.
     pub(super) fn part(&self, piece: usize) -> usize {
         self.part_of.get(piece).copied().unwrap_or(self.parts.len())
+    }
+
+    /// The first pause behind this number of pieces: the number of pieces before it, and its text. None if
+    /// the job goes on to its end.
+    pub(super) fn next_pause(&self, pieces: usize) -> Option<(usize, &str)> {
+        let mut pauses = self.pauses.iter().map(|pause| {
+            let before = self.part_of.partition_point(|&part| part < pause.before);
+            (before, pause.text.as_str())
+        });
+        pauses.find(|&(before, _)| before > pieces)
     }
 
     /// The first part of this line or of one behind it, and where the tool is before it [m]; none if

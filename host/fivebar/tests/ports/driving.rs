@@ -1,9 +1,10 @@
 //! Jobs that are streamed to a controller with its own clock and motors.
 
 use crate::arm;
+use fivebar_files::job::{Job, Stop};
 use fivebar_firmware::protocol::{HostCommand, SectionKey};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{Move, MoveKind, Planner, Request};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Planner, Request};
 use fivebar_sim::drive::{Drive, DriveError, Homing};
 use fivebar_sim::link::{Client, Loopback};
 use fivebar_sim::time_optimal::JobPlanner;
@@ -87,6 +88,50 @@ fn a_time_optimal_job_is_executed_completely_and_can_be_stopped() {
     assert!(stopped, "{outcome:?}");
     let (status, _) = client.status().expect("the link works");
     assert_eq!((status.state, status.fault), (State::Stopped, None));
+}
+
+#[test]
+fn a_job_rests_at_its_pauses_with_the_tool_up_until_it_may_go_on() {
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let mut job = long_job();
+    job.truncate(6);
+    for next in &mut job {
+        next.tool = FULL_TOOL;
+    }
+    let stopped = Job {
+        stops: vec![Stop {
+            line: 3,
+            before: 3,
+            code: "M0".into(),
+            name: Some("red".into()),
+        }],
+        ..Job::default()
+    };
+    let (moves, pauses) = stopped.with_pauses(&job);
+    let latest = Cell::new((0, None));
+    let mut asked = 0;
+    let outcome = drive.follow_with_pauses(
+        &moves,
+        &pauses,
+        &arm::settings(),
+        &mut |taken, status| latest.set((taken, Some(*status))),
+        &mut |pause| {
+            assert_eq!(pause.text, "M0: red");
+            asked += 1;
+            if asked > 20 {
+                let (taken, Some(status)) = latest.get() else {
+                    panic!("no status");
+                };
+                assert_eq!((taken, status.state), (4, State::Armed));
+                assert_eq!(status.tool_level, 0.0);
+            }
+            Ok(asked > 100)
+        },
+    );
+    outcome.expect("the job is executed");
+    assert_eq!((asked, latest.get().0), (101, 7));
 }
 
 #[test]

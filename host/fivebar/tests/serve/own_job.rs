@@ -227,3 +227,39 @@ fn the_working_mode_changes_through_a_stretched_leg_and_back() {
         }
     }
 }
+
+#[test]
+fn a_job_waits_at_m0_with_the_tool_up_until_it_is_resumed_though_the_arm_was_jogged() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    let text = "G21 G90 F3000\nM3\nG1 X40\nM0 (the red pen)\nG1 X0\nG1 X40\nM1\n";
+    page.send(&json!({ "load": { "name": "two pens", "text": text } }));
+    page.wait("the job", |message| message.get("job").cloned());
+    page.send(&json!("run"));
+    notice(&mut page, "M0: the red pen. The job waits");
+    let paused = page.state("the pause", |state| state["pause"] == "M0: the red pen");
+    assert_eq!(
+        (&paused["state"], &paused["left"]),
+        (&json!("Armed"), &Value::Null)
+    );
+    let until = time(&paused) + 1.0;
+    let waiting = page.state("a second", |state| time(state) > until);
+    assert_eq!(
+        (&waiting["state"], &waiting["tool_level"]),
+        (&json!("Armed"), &json!(0.0))
+    );
+    page.send(&json!({ "jog": [0.0, 0.01] }));
+    let start = time(&waiting);
+    page.state("the jog", |state| time(state) > start + 0.7);
+    page.send(&json!("resume"));
+    let drawn = drawn_to_the_end(&mut page);
+    let [start, end] = [0, 1].map(|axis| number(&paused["tool"][axis]));
+    assert!(
+        (drawn[0][0] - start).hypot(drawn[0][1] - end) < 5e-3,
+        "{:?}",
+        drawn[0]
+    );
+    let state = page.latest_state();
+    assert_eq!(state["pause"], Value::Null);
+}

@@ -72,3 +72,25 @@ fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
     notice(&mut page, "goes on");
     notice(&mut page, "The job is done.");
 }
+
+#[test]
+fn a_job_rests_at_m0_and_the_rest_of_it_is_planned_when_it_is_resumed() {
+    let server = Server::start(&["--time-optimal", "--torque-share", "0.6"]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    let text = "G21 G90 F600\nM3\nG1 X20\nM0\nG1 X40\nM0\nG1 X0\n";
+    page.send(&json!({ "load": { "name": "three pens", "text": text } }));
+    page.wait("the job", |message| message.get("job").cloned());
+    page.send(&json!("run"));
+    for _ in 0..2 {
+        notice(&mut page, "M0. The job waits");
+        let paused = page.state("the pause", |state| state["pause"] == "M0");
+        assert_eq!(
+            (&paused["state"], &paused["tool_level"]),
+            (&json!("Armed"), &json!(0.0))
+        );
+        page.send(&json!("resume"));
+        notice(&mut page, "goes on");
+    }
+    notice(&mut page, "The job is done");
+}

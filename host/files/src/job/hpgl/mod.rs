@@ -37,12 +37,11 @@ pub(super) fn interpret(
     }
     let mut pens = plot.pens;
     pens.retain(|pen| !pen.strokes.is_empty());
-    if pens.len() > 1 {
-        let numbers = pens.iter().map(|pen| pen.number.to_string()).collect();
-        plot.notes.push(Warning::at(0, WarningKind::Pens(numbers)));
-    }
-    let strokes = pens.into_iter().map(|pen| pen.strokes);
-    let job = drawing::job(strokes, plot.notes, placement, options)?;
+    let pens = pens.into_iter().map(|pen| drawing::Pen {
+        name: format!("pen {}", pen.number),
+        strokes: pen.strokes,
+    });
+    let job = drawing::job(pens.collect(), plot.notes, placement, options)?;
     if job.steps.iter().any(Step::draws) {
         Ok(job)
     } else {

@@ -6,11 +6,13 @@
 //! them. The tool is down along strokes; fills and widths of lines are not drawn.
 
 mod flatten;
+mod pens;
 mod size;
 
-use super::drawing::{self, Stroke};
+use super::drawing;
 use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
 use flatten::Flattener;
+use pens::Pens;
 use std::sync::Arc;
 use usvg::{Group, Node, Options, Transform, Tree};
 
@@ -54,14 +56,20 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
     let mut reader = Reader {
         height: f64::from(tree.size().height()),
         flattener: Flattener::new(options.tolerance / PIXEL),
-        strokes: Vec::new(),
+        pens: Pens::new(&document),
         notes: Vec::new(),
     };
     if text.contains("<image") {
         reader.note("images are left out: a tool draws lines only");
     }
     reader.group(tree.root())?;
-    let job = drawing::job([reader.strokes], reader.notes, placement, options)?;
+    let (pens, has_many_colours) = reader.pens.into_pens();
+    if has_many_colours {
+        let kind =
+            WarningKind::Drawing("the lines have more colours than pens: all are drawn with one");
+        reader.notes.push(Warning::at(0, kind));
+    }
+    let job = drawing::job(pens, reader.notes, placement, options)?;
     if job.steps.iter().any(Step::draws) {
         Ok(job)
     } else {
@@ -88,7 +96,7 @@ struct Reader {
     /// The page's height [px].
     height: f64,
     flattener: Flattener,
-    strokes: Vec<Stroke>,
+    pens: Pens,
     notes: Vec<Warning>,
 }
 
@@ -100,6 +108,7 @@ impl Reader {
         if group.opacity().get() == 0.0 {
             return Ok(());
         }
+        let outside = self.pens.enter(group.id());
         for node in group.children() {
             match node {
                 Node::Group(group) => self.group(group)?,
@@ -121,6 +130,7 @@ impl Reader {
                 Node::Path(_) | Node::Image(_) => {}
             }
         }
+        self.pens.leave(outside);
         Ok(())
     }
 
@@ -148,11 +158,9 @@ impl Reader {
             JobError::Drawing(reason.into())
         })?;
         let metres = |point: [f64; 2]| point.map(|pixels| pixels * PIXEL);
-        self.strokes.extend(
-            strokes
-                .into_iter()
-                .map(|it| it.into_iter().map(metres).collect()),
-        );
+        let strokes = strokes.into_iter();
+        self.pens
+            .add(path, strokes.map(|it| it.into_iter().map(metres).collect()));
         Ok(())
     }
 

@@ -60,7 +60,8 @@ export function whyNot(control, state, job) {
 // places, so that clicks in one place do not lead from a stop to a motion.
 export function nextStep(state, job, fault, watching) {
   if (!state) return ["No connection. A moving arm comes to rest, unless its job runs on. The page connects again by itself.", null, "Wait"];
-  const held = state.held !== null ? ` The job waits at line ${state.held}.` : "";
+  const held = state.pause ? ` ${state.pause}. The job waits at line ${state.held}.`
+    : state.held !== null ? ` The job waits at line ${state.held}.` : "";
   if (state.sender) return ["A sender of G-code is in control. Any page may stop the arm.", "stop", "Stop"];
   if (watching) {
     if (state.left !== null) return ["Another page's job runs. Any page may stop it.", "stop", "Stop"];
@@ -82,6 +83,7 @@ export function nextStep(state, job, fault, watching) {
       return [`The job is at line ${state.tag ?? "–"}, about ${clock(state.left)} left.`, "stop", "Stop"];
     default:
       if (state.left !== null) return ["The job begins.", "stop", "Stop"];
+      if (state.pause) return [`${state.pause}. Then press Resume.`, null, "Show it", "resume"];
       if (held) return [`${held.trim()} Resume it with the marked button, or run it from the start.`, null, "Show it", "resume"];
       if (!job) return ["The motors hold the arm. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
       if (job.refusal && !job.moves) return [`${job.name} cannot be read: the reason is at Job. Open another file.`, "demonstration", "Load demonstration"];
@@ -102,7 +104,7 @@ export function showNumbers(state) {
   const [done, all] = state.progress ?? [0, 1];
   at("progress").value = all > 0 ? done / all : 0;
   put("left", state.left !== null ? `about ${clock(state.left)} left`
-    : state.held !== null ? `stopped at line ${state.held}` : "–");
+    : state.pause ? "the job waits for you" : state.held !== null ? `stopped at line ${state.held}` : "–");
 }
 
 export function showNotice(text, refused = false) {

@@ -1,0 +1,119 @@
+//! The pens of an SVG: its layers as Inkscape has them, or else the colours of its lines.
+
+use super::super::drawing::{Pen, Stroke};
+use std::collections::BTreeMap;
+use usvg::Paint;
+use usvg::roxmltree::Document;
+
+const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
+/// The most colours that are pens; a picture with more is drawn with one.
+const MOST_COLOURS: usize = 12;
+
+/// What a stroke is drawn with, as the file has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Ink {
+    layer: Option<String>,
+    /// None: a gradient or a pattern.
+    colour: Option<[u8; 3]>,
+    is_line: bool,
+}
+
+/// The strokes of each layer and colour.
+pub(super) struct Pens {
+    /// The names of layers, by the identifiers of their groups.
+    names: BTreeMap<String, String>,
+    layer: Option<String>,
+    parts: Vec<(Ink, Vec<Stroke>)>,
+}
+
+impl Pens {
+    pub(super) fn new(document: &Document<'_>) -> Self {
+        let layers = document
+            .descendants()
+            .filter(|node| node.attribute((INKSCAPE, "groupmode")) == Some("layer"));
+        let names = layers.filter_map(|layer| {
+            let id = layer.attribute("id")?;
+            let name = layer.attribute((INKSCAPE, "label")).unwrap_or(id);
+            Some((id.to_owned(), name.to_owned()))
+        });
+        Self {
+            names: names.collect(),
+            layer: None,
+            parts: Vec::new(),
+        }
+    }
+
+    /// Enters a group; returns what [`Self::leave`] needs. A layer in another one belongs to it.
+    pub(super) fn enter(&mut self, id: &str) -> Option<String> {
+        let before = self.layer.clone();
+        if self.layer.is_none() {
+            self.layer = self.names.get(id).cloned();
+        }
+        before
+    }
+
+    pub(super) fn leave(&mut self, before: Option<String>) {
+        self.layer = before;
+    }
+
+    /// Adds the strokes of a shape.
+    pub(super) fn add(&mut self, path: &usvg::Path, strokes: impl Iterator<Item = Stroke>) {
+        let line = path.stroke().filter(|it| it.opacity().get() > 0.0);
+        let paint = line.map(usvg::Stroke::paint);
+        let paint = paint.or_else(|| path.fill().map(usvg::Fill::paint));
+        let ink = Ink {
+            layer: self.layer.clone(),
+            colour: match paint {
+                Some(Paint::Color(colour)) => Some([colour.red, colour.green, colour.blue]),
+                _ => None,
+            },
+            is_line: line.is_some(),
+        };
+        match self.parts.iter_mut().find(|(other, _)| *other == ink) {
+            Some((_, same)) => same.extend(strokes),
+            None => self.parts.push((ink, strokes.collect())),
+        }
+    }
+
+    /// The pens in the order of the file, and whether their colours are too many for pens.
+    pub(super) fn into_pens(self) -> (Vec<Pen>, bool) {
+        let layers = self.count(|ink| Some(&ink.layer));
+        if layers > 1 {
+            let name = |ink: &Ink| ink.layer.clone().unwrap_or_else(|| "no layer".into());
+            return (self.by(name), false);
+        }
+        let lines = self.count(|ink| Some(ink.colour).filter(|_| ink.is_line));
+        let colours = self.count(|ink| Some(ink.colour));
+        if lines > 1 && colours <= MOST_COLOURS {
+            let name = |ink: &Ink| match ink.colour {
+                Some([red, green, blue]) => format!("#{red:02x}{green:02x}{blue:02x}"),
+                None => "gradients and patterns".into(),
+            };
+            return (self.by(name), false);
+        }
+        (self.by(|_| String::new()), lines > MOST_COLOURS)
+    }
+
+    /// How many different values there are.
+    fn count<'a, T: PartialEq>(&'a self, value: impl Fn(&'a Ink) -> Option<T>) -> usize {
+        let mut seen: Vec<T> = Vec::new();
+        for value in self.parts.iter().filter_map(|(ink, _)| value(ink)) {
+            if !seen.contains(&value) {
+                seen.push(value);
+            }
+        }
+        seen.len()
+    }
+
+    fn by(self, name: impl Fn(&Ink) -> String) -> Vec<Pen> {
+        let mut pens: Vec<Pen> = Vec::new();
+        for (ink, strokes) in self.parts {
+            let name = name(&ink);
+            match pens.iter_mut().find(|pen| pen.name == name) {
+                Some(pen) => pen.strokes.extend(strokes),
+                None => pens.push(Pen { name, strokes }),
+            }
+        }
+        pens
+    }
+}
