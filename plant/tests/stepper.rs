@@ -297,6 +297,21 @@ fn micro_steps_place_the_joint_and_a_load_moves_it_by_the_stiffness() {
     }
     let half = deflection(&mut plant);
     assert!((half / full - 0.5).abs() < 0.01, "{half} {full}");
+
+    // A rotor that its load holds more than half a full step off its field has lost none.
+    let mut most = 0.0_f64;
+    for force in 1..30 {
+        let force = Vector2::new(0.3, 0.2) * f64::from(force);
+        plant.arm_mut().set_tool_force(force);
+        rest(&mut plant, 0.2);
+        let off = |j: usize, made: f64| (angles(&plant)[j] - start[j]) * PER_RADIAN - made;
+        most = most.max(off(0, -14.0).abs()).max(off(1, 14.0).abs());
+        if most > 9.0 {
+            break;
+        }
+    }
+    assert!((9.0..16.0).contains(&most), "{most}");
+    assert_eq!(plant.lost_steps(), [0; 2]);
 }
 
 #[test]

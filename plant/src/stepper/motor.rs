@@ -89,3 +89,34 @@ impl Stepper {
         self.periods() * self.holding_torque / (TAU * natural_frequency).powi(2)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Stepper, TAU};
+
+    #[test]
+    fn the_detents_torque_is_the_slope_of_their_energy_and_holds_full_steps() {
+        let motor = Stepper {
+            steps_per_turn: 200,
+            microsteps: 16,
+            gear_ratio: 4.0,
+            rotor_inertia: 5.4e-6,
+            holding_torque: 0.40,
+            rated_current: 1.7,
+            resistance: 1.5,
+            inductance: 2.8e-3,
+            detent_torque: 0.02,
+            encoder: false,
+        };
+        let full_step = TAU / 200.0;
+        for share in [0.0, 0.1, 0.25, 0.4, 0.7] {
+            let angle = share * full_step;
+            let small = 1e-6;
+            let slope = motor.detent_energy(angle + small) - motor.detent_energy(angle - small);
+            let torque = motor.detent(angle);
+            assert!((torque + slope / (2.0 * small)).abs() < 1e-7, "{share}");
+        }
+        assert!(motor.detent(0.25 * full_step) < -0.0199);
+        assert!(motor.detent(3.25 * full_step) < -0.0199);
+    }
+}
