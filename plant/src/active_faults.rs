@@ -11,6 +11,8 @@ pub(crate) struct ActiveFaults {
     pub(crate) disconnected: [bool; 2],
     pub(crate) stalled: [bool; 2],
     pub(crate) driver_fault: [bool; 2],
+    /// Full steps of which the driver is going to miss the pulses.
+    pub(crate) missed_steps: [u32; 2],
     pub(crate) emergency_stop: bool,
     /// Whether the emergency stop's contact is welded.
     pub(crate) stop_welded: bool,

@@ -182,6 +182,13 @@ pub enum FaultKind {
         /// The joint.
         joint: Joint,
     },
+    /// A stepper's driver misses the next pulses, of this many full steps.
+    StepLost {
+        /// The joint.
+        joint: Joint,
+        /// The full steps.
+        steps: u32,
+    },
     /// The payload gets heavier, or lighter.
     PayloadChanges {
         /// The change of its mass [kg].

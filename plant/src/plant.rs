@@ -72,7 +72,7 @@ pub struct Plant {
     time: f64,
     /// Scheduled faults, the last one first.
     pending: Vec<PlantFault>,
-    faults: ActiveFaults,
+    pub(crate) faults: ActiveFaults,
     hands: Hands,
     /// Mistakes in the wiring, if any, with the counts from which encoders count.
     wiring: Option<(Wiring, [i32; 2])>,

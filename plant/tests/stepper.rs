@@ -357,7 +357,10 @@ fn pulses_that_a_driver_misses_leave_its_joint_behind_the_steps_made() {
     let mut plant = arm(&parameters, encoder);
     rest(&mut plant, 0.01);
     let (start, counts) = (angles(&plant), plant.sense().counts);
-    plant.lose_steps(Joint::Joint1, 3);
+    plant.arm_mut().inject(FaultKind::StepLost {
+        joint: Joint::Joint1,
+        steps: 3,
+    });
     for _ in 0..100 {
         plant.step(&command([-1, 1]), TICK);
         rest(&mut plant, 5e-4);

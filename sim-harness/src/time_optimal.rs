@@ -43,6 +43,12 @@ pub enum TimeOptimalError {
          run the job without --time-optimal"
     )]
     PowerBySpeed,
+    /// The links are too heavy for the steppers that turn them.
+    #[error(
+        "the links' inertia at a motor is {0:.0} times the rotor's: above {MOST_INERTIA} a stepper swings so much that it \
+         loses steps; draw without --time-optimal, or give the arm a greater `gear_ratio`"
+    )]
+    Swings(f64),
     /// A move leaves the workspace.
     #[error("line {0}: {1}")]
     Path(u32, PathError<f64>),
@@ -59,7 +65,9 @@ pub enum TimeOptimalError {
 
 /// The share of the joints' speeds and accelerations, and of the supply, that plans use.
 const JOINT_SHARE: f64 = 0.98;
-/// Time between the knots of a plan's spline [s].
+/// The greatest ratio of the links' inertia at a stepper to its rotor's: simulated arms lose steps from 34 on.
+const MOST_INERTIA: f64 = 30.0;
+/// Time between the knots of a plan's spline, on arms that are not on steppers [s].
 const INTERVAL: f64 = 4e-3;
 /// The limits of the tool by which the look-ahead chooses between rounding a corner and stopping
 /// there: more than an arm's.
@@ -91,6 +99,8 @@ pub struct JobPlanner {
     arm: DrivenArm,
     envelope: Envelope<f64>,
     limits: PlanLimits,
+    /// Time between the knots of a plan's spline [s].
+    interval: f64,
     waits: bool,
     /// [m/s].
     approach: f32,
@@ -101,7 +111,7 @@ impl JobPlanner {
     /// rest is for feedback.
     ///
     /// # Errors
-    /// A robot without masses, or with a tool whose power follows its speed.
+    /// A robot without masses, with a tool whose power follows its speed, or with steppers that would swing.
     pub fn new(robot: &Robot, torque_share: f64) -> Result<Self, TimeOptimalError> {
         if let ToolOutputSettings::Power {
             scale_with_speed: true,
@@ -111,7 +121,15 @@ impl JobPlanner {
             return Err(TimeOptimalError::PowerBySpeed);
         }
         let arm = robot.arm()?;
+        if let Some(ratio) = robot.inertia_ratio().filter(|ratio| *ratio > MOST_INERTIA) {
+            return Err(TimeOptimalError::Swings(ratio));
+        }
         let drives = robot.drives()?;
+        // A stepper's limit has its own share, of its pull-out torque.
+        let torque_share = match robot.has_steppers() {
+            true => JOINT_SHARE,
+            false => torque_share,
+        };
         let torque = drives.map(|drive| torque_share * drive.peak_torque());
         let share = |values: [f64; 2]| values.map(|value| JOINT_SHARE * value);
         let tool = robot.tool_on_link()?;
@@ -138,6 +156,9 @@ impl JobPlanner {
                 tip_speed: None,
                 tip_acceleration: None,
             },
+            interval: robot
+                .swing_period()
+                .map_or(INTERVAL, |swing| swing.max(INTERVAL)),
             waits: robot.tool_output.waits(),
             approach: robot.motion.max_speed as f32,
         })
@@ -203,9 +224,13 @@ impl JobPlanner {
         let pieces: Vec<PathPiece> = parts.iter().map(|part| part.piece.clone()).collect();
         let tag = |part: &PathPart| moves.get(part.source).map_or(0, |source| source.tag);
         let line = parts.first().map_or(0, tag);
-        let TimedRun { pieces: timed, .. } =
-            plan_timed(&self.arm.in_mode(mode), &self.limits, &pieces, INTERVAL)
-                .map_err(|error| TimeOptimalError::Plan(line, error))?;
+        let TimedRun { pieces: timed, .. } = plan_timed(
+            &self.arm.in_mode(mode),
+            &self.limits,
+            &pieces,
+            self.interval,
+        )
+        .map_err(|error| TimeOptimalError::Plan(line, error))?;
         let timed = timed.iter().filter_map(|piece| {
             let part = &parts[piece.piece];
             let next = Move {

@@ -2,7 +2,7 @@
 
 use super::ArmController;
 use super::setpoint::Setpoint;
-use crate::drives::{Demand, Drives, Motion};
+use crate::drives::{Demand, Drives, Motion, Needs};
 use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Fault, Limits, State, TOLERATED_TICKS};
 use fivebar_kinematics::five_bar;
@@ -196,7 +196,12 @@ impl<D: Drives> ArmController<D> {
                 acceleration: alpha,
             },
         });
-        self.limits = command.limits.with(Limits::VOLTAGE, limited);
+        let limits = match D::NEEDS {
+            Needs::Torque => command.limits,
+            // The torque is the motors' own affair.
+            Needs::Motion => command.limits.difference(Limits::TORQUE),
+        };
+        self.limits = limits.with(Limits::VOLTAGE, limited);
         if !self.drives.is_finite() {
             self.release_loops();
             self.path.switch_tool_off();

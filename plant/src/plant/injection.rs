@@ -104,6 +104,7 @@ impl Plant {
                 let from = self.shaft(joint).0;
                 self.faults.slipping[joint] = Some(Slip { from, share });
             }
+            StepLost { joint, steps } => self.faults.missed_steps[joint] += steps,
             BeltBreaks { joint } => self.drives.iter_mut().for_each(|all| all.break_belt(joint)),
             PayloadChanges { kilograms } => self.model.change_payload(&mut self.state, kilograms),
             ToolCaught => self.faults.caught = Some(self.tool()),

@@ -4,6 +4,56 @@ mod motor;
 mod plant;
 mod windings;
 
+use crate::encoder::Harmonics;
+use crate::fault::FaultKind;
+use crate::mismatch::Mismatch;
 pub use motor::Stepper;
 pub use plant::StepperPlant;
 pub use windings::Windings;
+
+impl Mismatch {
+    /// The name of the first effect that is simulated on brushed motors and encoders only.
+    pub fn effect_without_steppers(&self) -> Option<&'static str> {
+        let exact = |value: &[f64; 2]| *value == [0.0; 2];
+        let effects = [
+            ("torque_ripple", exact(&self.torque_ripple)),
+            ("cogging", exact(&self.cogging)),
+            (
+                "encoder_error",
+                self.encoder_error.iter().all(Harmonics::is_zero),
+            ),
+            ("encoder_latency", exact(&self.encoder_latency)),
+            ("supply_resistance", self.supply_resistance == 0.0),
+        ];
+        effects
+            .into_iter()
+            .find_map(|(name, is_exact)| (!is_exact).then_some(name))
+    }
+}
+
+impl FaultKind {
+    /// Whether it can happen to an arm with steppers.
+    pub fn is_of_steppers(&self) -> bool {
+        matches!(
+            self,
+            Self::StepLost { .. }
+                | Self::SwitchStuck { .. }
+                | Self::MotorDisconnected { .. }
+                | Self::MotorStalled { .. }
+                | Self::BeltBreaks { .. }
+                | Self::DriverFault { .. }
+                | Self::DriverFaultStuck { .. }
+                | Self::DriverFaultOpen { .. }
+                | Self::EmergencyStop
+                | Self::EmergencyStopWelded
+                | Self::ContactorWelded
+                | Self::BrakeStuck { .. }
+                | Self::BrakeLate { .. }
+                | Self::BrakeFails { .. }
+                | Self::PayloadChanges { .. }
+                | Self::ToolCaught
+                | Self::TicksMissed { .. }
+                | Self::BusVoltage { .. }
+        )
+    }
+}

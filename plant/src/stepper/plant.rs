@@ -97,6 +97,10 @@ impl StepperPlant {
     /// supply.
     pub fn step(&mut self, command: &ArmCommand<StepCommand>, period: f64) {
         let missed = self.arm.begin_tick();
+        for j in Joint::ALL {
+            let full_steps = std::mem::take(&mut self.arm.faults.missed_steps[j]);
+            self.axes[j].to_miss += full_steps * self.axes[j].motor.microsteps;
+        }
         self.tick(command, command.drives.steps, period);
         for _ in 0..missed {
             self.tick(command, [0; 2], period);
@@ -199,15 +203,24 @@ impl StepperPlant {
         })
     }
 
-    /// The driver misses the next pulses, in whichever direction, of this many full steps.
-    pub fn lose_steps(&mut self, joint: Joint, full_steps: u32) {
-        let axis = &mut self.axes[joint];
-        axis.to_miss += full_steps * axis.motor.microsteps;
-    }
-
     /// The driver's current from now on, as a share of the rated one: drivers reduce it at rest.
     pub fn set_current(&mut self, joint: Joint, share: f64) {
         self.axes[joint].share = share;
+    }
+
+    /// The motors' torques at the joints [N·m].
+    pub fn torque(&self) -> [f64; 2] {
+        Joint::ALL.map(|j| {
+            let Axis {
+                motor, windings, ..
+            } = &self.axes[j];
+            motor.gear_ratio * windings.torque(motor, self.rotor(j).0)
+        })
+    }
+
+    /// The length of each motor's vector of currents [A].
+    pub fn current(&self) -> [f64; 2] {
+        self.axes.each_ref().map(|axis| axis.windings.current())
     }
 
     /// The arm with its sensors.

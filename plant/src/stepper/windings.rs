@@ -17,14 +17,14 @@ use crate::drives::Energy;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Windings {
     /// i_a and i_b [A].
-    pub current: [f64; 2],
+    pub phases: [f64; 2],
 }
 
 impl Windings {
     /// The motor's torque at its angle [rad] from a full step, the detents' included [N·m].
     pub fn torque(&self, motor: &Stepper, angle: f64) -> f64 {
         let (sin, cos) = libm::sincos(motor.periods() * angle);
-        let [a, b] = self.current;
+        let [a, b] = self.phases;
         motor.torque_constant() * (b * cos - a * sin) + motor.detent(angle)
     }
 
@@ -44,7 +44,7 @@ impl Windings {
         let back_emf = [-back * sin, back * cos];
         let (r, l) = (motor.resistance, motor.inductance);
         let mut energy = Energy::default();
-        for ((i, wanted), e) in self.current.iter_mut().zip(set_point).zip(back_emf) {
+        for ((i, wanted), e) in self.phases.iter_mut().zip(set_point).zip(back_emf) {
             let v = l * (wanted - *i) / time + 0.5 * r * (wanted + *i) + e;
             let v = v.clamp(-supply, supply);
             // The trapezoidal rule: L Δi = (v − R (i + i')/2 − e) Δt.
@@ -58,9 +58,15 @@ impl Windings {
         energy
     }
 
+    /// The length of the vector of both currents [A].
+    pub fn current(&self) -> f64 {
+        let [a, b] = self.phases;
+        libm::hypot(a, b)
+    }
+
     /// Energy in the windings [J].
     pub fn energy(&self, motor: &Stepper) -> f64 {
-        let [a, b] = self.current;
+        let [a, b] = self.phases;
         0.5 * motor.inductance * (a * a + b * b)
     }
 }

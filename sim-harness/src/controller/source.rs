@@ -66,6 +66,7 @@ impl<L: Read + Write + Send> Connection for L {}
 /// The port cannot be opened, the robot cannot be simulated, or the controller has settings for
 /// another arm or does not reply.
 pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, String), OpenError> {
+    robot.brushed().map_err(RunError::from)?;
     let line: Box<dyn Connection> = match source {
         ControllerSource::Simulated => Box::new(simulated::line(robot)?),
         ControllerSource::Emulated(image) => Box::new(Emulator::start(image)?),

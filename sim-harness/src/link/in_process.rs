@@ -1,19 +1,20 @@
 //! The controller in this process.
 
 use super::{Target, TargetError};
-use fivebar_firmware::controller::{Controller, Request};
+use fivebar_firmware::controller::{ArmController, Request};
+use fivebar_firmware::drives::{BrushedDrives, Drives};
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{SettingsError, Share};
-use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Settings, Status};
+use fivebar_firmware::{ArmCommand, ArmSample, Move, Settings, Status};
 
 /// The firmware's controller and planner, called directly.
-pub struct InProcess {
-    controller: Controller,
+pub struct InProcess<D: Drives = BrushedDrives> {
+    controller: ArmController<D>,
     planner: Planner,
 }
 
-impl InProcess {
+impl<D: Drives> InProcess<D> {
     /// A controller with these settings, as after a reset.
     ///
     /// # Errors
@@ -21,21 +22,24 @@ impl InProcess {
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         let settings = settings.check()?;
         Ok(Self {
-            controller: Controller::new(&settings),
+            controller: ArmController::new(&settings),
             planner: Planner::new(&settings),
         })
     }
 }
 
-impl InProcess {
+impl<D: Drives> InProcess<D> {
     /// The level, as a share, that an output of the tool stands for.
     pub(super) fn tool_level(&self, output: Share) -> f32 {
         self.controller.settings().tool_output.level(output)
     }
 }
 
-impl Target for InProcess {
-    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError> {
+impl<D: Drives> Target<D> for InProcess<D> {
+    fn tick(
+        &mut self,
+        sample: &ArmSample<D::Sample>,
+    ) -> Result<(ArmCommand<D::Command>, Status), TargetError> {
         // This call is the host's sign of life.
         self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
@@ -57,6 +61,9 @@ impl Target for InProcess {
     }
 
     fn is_idle(&self) -> bool {
-        self.planner.is_empty() && self.controller.state() == State::Armed
+        // A path may wait for bridges that wake up, or for a brake.
+        self.planner.is_empty()
+            && self.controller.state() == State::Armed
+            && self.controller.planning_snapshot().path_left == 0.0
     }
 }

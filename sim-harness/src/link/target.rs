@@ -2,19 +2,23 @@
 
 use super::LinkError;
 use fivebar_firmware::controller::{Request, RequestError};
+use fivebar_firmware::drives::{BrushedDrives, Drives};
 use fivebar_firmware::planner::MoveError;
-use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Status};
+use fivebar_firmware::{ArmCommand, ArmSample, Move, Status};
 
-/// A controller, run in lockstep with a plant.
+/// A controller of these drives, run in lockstep with a plant.
 ///
 /// Its outputs depend only on its inputs and their order: two targets with the same inputs
 /// give the same bits.
-pub trait Target {
+pub trait Target<D: Drives = BrushedDrives> {
     /// Runs one tick on these samples; returns its outputs and the status after it.
     ///
     /// # Errors
     /// The controller does not reply.
-    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError>;
+    fn tick(
+        &mut self,
+        sample: &ArmSample<D::Sample>,
+    ) -> Result<(ArmCommand<D::Command>, Status), TargetError>;
 
     /// Makes a request of the controller.
     ///

@@ -1,13 +1,13 @@
 //! The loop of a run: sense, tick and step, through homing, arming and the moves.
 
-use super::{JointHistory, Sample, TipError, Trace};
+use super::{JointHistory, Sample, SimulatedArm, TipError, Trace};
 use crate::link::{Target, TargetError};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, Status};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::PlantFault;
-use fivebar_plant::{Plant, WornJoints};
+use fivebar_plant::WornJoints;
 
 /// Longest simulated time of homing [s].
 const LONGEST_HOMING: f64 = 60.0;
@@ -41,12 +41,14 @@ pub struct Record {
     pub joints: JointHistory,
     /// The faults in order, each with its time from power-up [s].
     pub faults: Vec<(f64, Fault)>,
+    /// Full steps that each stepper has lost, if the arm has steppers.
+    pub lost_steps: Option<[i64; 2]>,
 }
 
 /// A controller and the simulated arm in lockstep.
-pub struct Simulation<'a, T> {
+pub struct Simulation<'a, T, P> {
     target: &'a mut T,
-    plant: Plant,
+    plant: P,
     /// Period of the tick [s].
     period: f64,
     record: Record,
@@ -63,9 +65,9 @@ struct JobSums {
     squares: f64,
 }
 
-impl<'a, T: Target> Simulation<'a, T> {
+impl<'a, P: SimulatedArm, T: Target<P::Drives>> Simulation<'a, T, P> {
     /// A run before power-up; `tick_rate` is in Hz.
-    pub fn new(target: &'a mut T, plant: Plant, tick_rate: f64) -> Self {
+    pub fn new(target: &'a mut T, plant: P, tick_rate: f64) -> Self {
         Self {
             target,
             plant,
@@ -190,8 +192,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         {
             record.faults.push((now, fault));
         }
-        let state = self.plant.state();
-        let torque = [0, 1].map(|j| self.plant.model().motors[j].torque(state.current[j]));
+        let torque = self.plant.torque();
         for (peak, torque) in record.peak_torque.iter_mut().zip(torque) {
             *peak = peak.max(torque.abs());
         }
@@ -202,10 +203,10 @@ impl<'a, T: Target> Simulation<'a, T> {
             return;
         };
         let sample = Sample {
-            tool: self.plant.tool().into(),
+            tool: self.plant.tool(),
             angle: Joint::ALL.map(|j| self.plant.angle(j)),
             torque,
-            current: state.current,
+            current: self.plant.current(),
             ..reported
         };
         record.trace.push(sample);
@@ -222,6 +223,7 @@ impl<'a, T: Target> Simulation<'a, T> {
         let simulated = self.now();
         let mut record = self.record;
         record.simulated = simulated;
+        record.lost_steps = self.plant.lost_steps();
         let end = record.job_time.unwrap_or_default();
         let samples = record.trace.samples();
         let of_job = samples.partition_point(|sample| sample.time <= end);

@@ -1,12 +1,15 @@
 //! A run: the simulation of a scenario from power-up to the end of its job, and its results.
 
+mod arm;
 mod by_cause;
 mod control_loop;
 mod demo_scale;
 mod joints;
+mod steppers;
 mod summary;
 mod trace;
 
+pub use arm::SimulatedArm;
 pub use by_cause::CauseError;
 pub use control_loop::{Record, Simulation};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
@@ -17,12 +20,13 @@ pub use trace::{Sample, Trace};
 use crate::link::{InProcess, Target, TargetError};
 use crate::time_optimal::{JobPlanner, TimeOptimalError};
 use fivebar_files::job::Job;
-use fivebar_files::robot::{HomeError, MissingMasses, robot_file_message};
+use fivebar_files::robot::{HomeError, MissingMasses, SteppersOnly, robot_file_message};
 use fivebar_files::scenario::{RefusedModeChange, RefusedMove, Scenario, ScenarioError};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
+use fivebar_kinematics::five_bar::Pose;
 use fivebar_plant::contact::ClearanceError;
-use fivebar_plant::{MismatchError, Plant, WornJoints};
+use fivebar_plant::{MismatchError, Parameters, Plant, WornJoints};
 use std::time::Instant;
 
 /// Why a run ended early. Faults of the controller are no errors here; the record has them.
@@ -45,6 +49,9 @@ pub enum RunError {
     /// The robot has no masses.
     #[error(transparent)]
     MissingMasses(#[from] MissingMasses),
+    /// The robot has steppers, and the run is of brushed motors.
+    #[error(transparent)]
+    Steppers(#[from] SteppersOnly),
     /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),
@@ -176,22 +183,10 @@ impl Simulate for Scenario {
     }
 
     fn plant(&self) -> Result<Plant, RunError> {
-        let settings = self.robot.settings()?;
-        let before = settings.axes.map(|axis| {
-            if axis.home_forward {
-                -BEFORE_HOME
-            } else {
-                BEFORE_HOME
-            }
-        });
-        let pose = self.robot.pose_near_home(before)?;
+        self.robot.brushed()?;
+        let pose = start_pose(self)?;
         let parameters = self.robot.plant_parameters()?;
-        self.mismatch
-            .check_for(&parameters)
-            .map_err(|error| RunError::Mismatch {
-                robot: self.robot.name.clone(),
-                error,
-            })?;
+        check_mismatch(self, &parameters)?;
         let mut plant = Plant::new(&parameters, &self.mismatch, &pose, self.seed);
         if let Some(clearance) = self.clearance {
             if plant.drives().is_some() {
@@ -211,15 +206,26 @@ impl Simulate for Scenario {
         job: &Job,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
+        if let Some(motors) = self.robot.steppers() {
+            let plant = steppers::plant(self, &motors)?;
+            let moves = self.run_moves(job)?;
+            return run(
+                self,
+                &mut steppers::controller(self)?,
+                plant,
+                &moves,
+                progress,
+            );
+        }
         let mut target = self.controller()?;
         self.run_on(&mut target, &self.run_moves(job)?, progress)
     }
 
     fn controller(&self) -> Result<InProcess, RunError> {
         let settings = if self.control_law.is_computed_torque() {
-            self.robot.settings()?
+            self.robot.brushed()?.settings()?
         } else {
-            self.robot.pid_settings()?
+            self.robot.brushed()?.pid_settings()?
         };
         InProcess::new(&settings).map_err(|e| settings_error(self, e))
     }
@@ -230,28 +236,7 @@ impl Simulate for Scenario {
         moves: &[Move],
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        let started = Instant::now();
-        let simulation = Simulation::new(target, self.plant()?, self.robot.control.tick_rate);
-        let record = simulation.run(moves, &self.faults, progress)?;
-        let summary = Summary {
-            robot: self.robot.name.clone(),
-            scenario: self.name.clone(),
-            simulated_s: record.simulated,
-            wall_s: started.elapsed().as_secs_f64(),
-            ticks: record.ticks,
-            tip_error: record.tip_error,
-            tip_error_placed: record.tip_error_placed,
-            peak_torque_nm: record.peak_torque,
-            saturated_ticks: record.saturated_ticks,
-            job_s: record.job_time,
-            faults: record
-                .faults
-                .iter()
-                .map(|(_, fault)| fault_name(*fault))
-                .collect(),
-            ..Summary::default()
-        };
-        Ok((summary, record))
+        run(self, target, self.plant()?, moves, progress)
     }
 
     fn by_cause(&self, job: &Job, all: &Summary) -> Result<Vec<CauseError>, RunError> {
@@ -268,4 +253,56 @@ fn settings_error(scenario: &Scenario, error: SettingsError) -> RunError {
         robot: scenario.robot.name.clone(),
         error,
     }
+}
+
+/// Runs moves on this controller and this simulated arm.
+fn run<P: SimulatedArm>(
+    scenario: &Scenario,
+    target: &mut impl Target<P::Drives>,
+    plant: P,
+    moves: &[Move],
+    progress: &mut dyn FnMut(f64),
+) -> Result<(Summary, Record), RunError> {
+    let started = Instant::now();
+    let simulation = Simulation::new(target, plant, scenario.robot.control.tick_rate);
+    let record = simulation.run(moves, &scenario.faults, progress)?;
+    let summary = Summary {
+        robot: scenario.robot.name.clone(),
+        scenario: scenario.name.clone(),
+        simulated_s: record.simulated,
+        wall_s: started.elapsed().as_secs_f64(),
+        ticks: record.ticks,
+        tip_error: record.tip_error,
+        tip_error_placed: record.tip_error_placed,
+        peak_torque_nm: record.peak_torque,
+        saturated_ticks: record.saturated_ticks,
+        job_s: record.job_time,
+        faults: record
+            .faults
+            .iter()
+            .map(|(_, fault)| fault_name(*fault))
+            .collect(),
+        lost_steps: record.lost_steps,
+        ..Summary::default()
+    };
+    Ok((summary, record))
+}
+
+/// The arm with each joint 0.1 rad before its home switch.
+fn start_pose(scenario: &Scenario) -> Result<Pose<f64>, RunError> {
+    let settings = scenario.robot.settings()?;
+    let before = settings.axes.map(|axis| match axis.home_forward {
+        true => -BEFORE_HOME,
+        false => BEFORE_HOME,
+    });
+    Ok(scenario.robot.pose_near_home(before)?)
+}
+
+/// Whether the mismatch fits the robot.
+fn check_mismatch(scenario: &Scenario, parameters: &Parameters) -> Result<(), RunError> {
+    let fits = scenario.mismatch.check_for(parameters);
+    fits.map_err(|error| RunError::Mismatch {
+        robot: scenario.robot.name.clone(),
+        error,
+    })
 }

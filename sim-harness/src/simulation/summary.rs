@@ -66,6 +66,9 @@ pub struct Summary {
     pub saturated_ticks: u64,
     /// Faults raised, by name.
     pub faults: Vec<String>,
+    /// Full steps that each stepper has lost, of the simulated motors themselves; none on an arm without steppers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost_steps: Option<[i64; 2]>,
     /// The errors with each mismatch alone, if those runs were made.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub by_cause: Vec<CauseError>,

@@ -1,3 +1,4 @@
-//! What jobs ask of an arm at home.
+//! What jobs ask of an arm at home, and jobs on steppers.
 
 mod approach;
+mod steppers;

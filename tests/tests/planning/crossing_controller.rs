@@ -127,7 +127,7 @@ fn hindered(case: &Value, time: f64, force: Force) -> Ending {
     let robot = allowed(case);
     let moves = moves_in(case, &robot, time);
     let scenario = scenario(robot, Mismatch::default());
-    let mut target = InProcess::new(&scenario.robot.settings().unwrap()).unwrap();
+    let mut target: InProcess = InProcess::new(&scenario.robot.settings().unwrap()).unwrap();
     let mut plant = scenario.plant().unwrap();
     let (mut offered, mut crossing) = (0, false);
     let mut ending = Ending::default();

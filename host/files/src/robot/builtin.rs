@@ -26,6 +26,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "benchtop",
     "benchtop_belt",
     "benchtop_pen",
+    "benchtop_stepper",
     "usp_2dof",
     "air_hockey",
     "haply",

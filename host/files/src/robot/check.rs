@@ -1,5 +1,6 @@
 //! Checks a robot file and makes a robot of it.
 
+use super::actuator::ActuatorFile;
 use super::file::{LinkFile, RobotFile};
 use super::home::best_conditioned;
 use super::value::{
@@ -8,7 +9,7 @@ use super::value::{
 };
 use super::{
     Actuator, Control, Limits, Protection, Robot, Supply, Tool, ToolLimits, consistency, drive,
-    homing, tolerance, tool_output,
+    homing, stepper, tolerance, tool_output,
 };
 use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_firmware::settings::LONGEST_STOP;
@@ -116,6 +117,7 @@ fn consistent(source: &Source<'_>, robot: &Robot, is_home_given: bool) -> Result
     if is_home_given {
         refusals.check(home_fits(source, robot));
     }
+    stepper::consistent(source, robot, &mut refusals);
     consistency::check(source, robot, &mut refusals);
     refusals.done()
 }
@@ -244,20 +246,28 @@ fn inertias(
 
 fn actuators(
     source: &Source<'_>,
-    given: Vec<Actuator>,
+    given: Vec<ActuatorFile>,
     refusals: &mut Refusals,
 ) -> Result<Option<[Actuator; 2]>, FileError> {
     if given.is_empty() {
         return Ok(None);
     }
-    let actuators: [Actuator; 2] = refusals.noted(given.try_into().map_err(|given: Vec<_>| {
+    let given: [ActuatorFile; 2] = refusals.noted(given.try_into().map_err(|given: Vec<_>| {
         let reason = format!(
             "must be given twice, not {}: joint 1 and joint 4",
             given.len()
         );
         source.refuse(Key::Top("actuator"), reason)
     }))?;
+    let [first, second] = given;
+    let actuators = [
+        first.read(source, 0, refusals),
+        second.read(source, 1, refusals),
+    ];
     for (index, a) in actuators.iter().enumerate() {
+        if refusals.has_of("actuator", index) {
+            continue;
+        }
         let key = |name| Key::Of("actuator", index, name);
         if a.gear_ratio == 0.0 || !a.gear_ratio.is_finite() {
             let reason = format!(
@@ -289,6 +299,7 @@ fn actuators(
         ] {
             refusals.check(not_negative(source, key(name), value));
         }
+        stepper::check(source, index, a, refusals);
         refusals.check(drive::check_brake(source, index, a));
         if !refusals.has_of("actuator", index) {
             refusals.check(drive::check(source, index, a));

@@ -21,7 +21,11 @@ impl Robot {
             actuators.map(|actuator| PlannedDrive {
                 viscous: actuator.viscous_friction,
                 coulomb: actuator.coulomb_friction,
-                torque_constant: actuator.torque_constant * actuator.gear_ratio.abs(),
+                // The supply limits a stepper by its pull-out torque.
+                torque_constant: match actuator.stepper {
+                    None => actuator.torque_constant * actuator.gear_ratio.abs(),
+                    Some(_) => 0.0,
+                },
                 resistance: actuator.resistance,
             })
         })

@@ -2,7 +2,9 @@
 //!
 //! All values are in SI units and radians. Unknown keys are refused.
 
+use super::actuator::ActuatorFile;
 use super::homing::HomeSearch;
+use super::stepper::Stepper;
 use super::tool_output::ToolOutputFile;
 use fivebar_firmware::settings::{AdvancedSettings, AxisField, Field, Row};
 use fivebar_plant::contact::Contact;
@@ -29,7 +31,7 @@ pub(super) struct RobotFile {
     pub(super) home: Option<[f64; 2]>,
     pub(super) link: Vec<LinkFile>,
     #[serde(default)]
-    pub(super) actuator: Vec<Actuator>,
+    pub(super) actuator: Vec<ActuatorFile>,
     #[serde(default)]
     pub(super) tool: Tool,
     #[serde(default)]
@@ -71,8 +73,7 @@ pub(super) struct LinkFile {
 }
 
 /// `[[actuator]]`: the motor, gear, encoder and current sensor of one driven joint.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuator {
     /// Motor turns per joint turn, negative if the motor turns against its joint.
     pub gear_ratio: f64,
@@ -85,14 +86,11 @@ pub struct Actuator {
     /// Winding inductance [H].
     pub inductance: f64,
     /// Viscous friction at the joint [N·m·s/rad].
-    #[serde(default)]
     pub viscous_friction: f64,
     /// Coulomb friction at the joint [N·m].
-    #[serde(default)]
     pub coulomb_friction: f64,
     /// Torque of the holding brake at the joint [N·m]; zero without a brake. An upright arm
     /// without brakes falls while it is unpowered.
-    #[serde(default)]
     pub brake_torque: f64,
     /// Longest time from switching the holding brake off to its full torque [s]; none:
     /// `BRAKE_TIME` with a brake, 0 without one.
@@ -113,18 +111,17 @@ pub struct Actuator {
     /// Stiffness of the gear or belt at the joint [N·m/rad]; none: rigid.
     pub stiffness: Option<f64>,
     /// Damping beside the stiffness, at the joint [N·m·s/rad].
-    #[serde(default)]
     pub drive_damping: f64,
     /// The shaft that the encoder measures.
-    #[serde(default)]
     pub encoder_side: EncoderSide,
     /// Age of the encoder's angle when it is sampled [s].
-    #[serde(default)]
     pub encoder_latency: f64,
     /// The encoder's known error, an angle of the encoder's shaft [rad]: its measured angle is
     /// the true one plus this.
-    #[serde(default)]
     pub encoder_error: Harmonics,
+    /// What it has besides, if it is a stepper. Its holding torque is then that at the peak current, and its counts are
+    /// micro-steps.
+    pub stepper: Option<Stepper>,
 }
 
 /// Time in which a holding brake of this size engages or releases, if the file has none [s]: data

@@ -1,6 +1,7 @@
 //! Robots: read from TOML and checked once; models and the controller's settings are made
 //! from them.
 
+mod actuator;
 mod belts;
 mod builtin;
 mod check;
@@ -18,12 +19,14 @@ mod plausible;
 mod servo;
 mod settings;
 mod slider;
+mod stepper;
 mod template;
 mod tolerance;
 mod tool_output;
 mod value;
 mod workspace;
 
+pub use actuator::DriveKind;
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use consistency::robot_file_message;
 pub use crossing::CrossingRefusal;
@@ -34,6 +37,7 @@ pub use home_method::HomeMethod;
 pub use homing::HomeSearch;
 pub use measured::{Measured, MeasuredKey, measured_text, today};
 pub use slider::{Mechanism, SliderRobot};
+pub use stepper::{Stepper, SteppersOnly};
 pub use workspace::WorkspaceError;
 
 use crate::did_you_mean;

@@ -192,8 +192,15 @@ impl Robot {
         (0.3 * peak + held.fold(0.0, f64::max)).min(peak)
     }
 
-    /// A drive whose currents are limited to the joint's greatest torque.
+    /// A drive whose currents are limited to the joint's greatest torque; a stepper's also to its share of the pull-out
+    /// torque at the joint's greatest speed.
     pub(super) fn limited(&self, joint: Joint, drive: Actuator) -> Actuator {
+        let share = drive.pull_out_share(self.supply.voltage, self.limits.max_speed[joint]);
+        let drive = Actuator {
+            peak_current: share * drive.peak_current,
+            continuous_current: share * drive.continuous_current,
+            ..drive
+        };
         let Some(torque) = self.limits.max_torque else {
             return drive;
         };
@@ -314,6 +321,7 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
         encoder_side: EncoderSide::Motor,
         encoder_latency: 0.0,
         encoder_error: Harmonics::NONE,
+        stepper: None,
     }
 }
 

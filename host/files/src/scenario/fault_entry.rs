@@ -24,6 +24,7 @@ pub(super) struct FaultEntry {
     kilograms: Option<f64>,
     seconds: Option<f64>,
     share: Option<f64>,
+    steps: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -62,6 +63,7 @@ enum Kind {
     BrakeFails,
     CouplingSlips,
     BeltBreaks,
+    StepLost,
     PayloadChanges,
     ToolCaught,
     TicksMissed,
@@ -198,6 +200,17 @@ impl FaultEntry {
                 share: within("share", self.share, [0.0, 0.99], "the share that is lost")?,
             },
             Kind::BeltBreaks => FaultKind::BeltBreaks { joint: joint()? },
+            Kind::StepLost => FaultKind::StepLost {
+                joint: joint()?,
+                steps: match self.steps {
+                    Some(steps @ 1..=10_000) => steps,
+                    Some(other) => {
+                        let reason = format!("is 1 to 10000 full steps, not {other}");
+                        return Err(source.refuse(key("steps"), reason));
+                    }
+                    None => return Err(missing("steps", "the number of full steps")),
+                },
+            },
             Kind::PayloadChanges => FaultKind::PayloadChanges {
                 kilograms: finite(
                     "kilograms",
@@ -215,12 +228,21 @@ impl FaultEntry {
     pub(super) fn check_for(
         &self,
         parameters: &Parameters,
+        has_steppers: bool,
         source: &Source<'_>,
         index: usize,
     ) -> Result<(), FileError> {
         let refused =
             |name, reason: &str| Err(source.refuse(Key::Of("fault", index, name), reason));
-        match self.fault(source, index)?.1 {
+        let kind = self.fault(source, index)?.1;
+        match kind {
+            FaultKind::StepLost { .. } if !has_steppers => {
+                refused("kind", "needs an arm with steppers")
+            }
+            _ if has_steppers && !kind.is_of_steppers() => refused(
+                "kind",
+                "is of brushed motors and encoders, and this arm has steppers",
+            ),
             FaultKind::BeltBreaks { joint }
                 if parameters.transmissions[joint].stiffness.is_none() =>
             {

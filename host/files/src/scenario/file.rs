@@ -58,6 +58,18 @@ fn yes() -> bool {
     true
 }
 
+/// Refuses what is simulated on brushed motors only.
+fn check_steppers(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
+    let reason = "is simulated on brushed motors only, and this arm has steppers: leave it out";
+    if let Some(name) = file.mismatch.effect_without_steppers() {
+        return Err(source.refuse(Key::In("mismatch", name), reason));
+    }
+    if file.wiring != Wiring::default() {
+        return Err(source.refuse(Key::Top("wiring"), reason));
+    }
+    Ok(())
+}
+
 impl Scenario {
     /// Reads a scenario file with its robot and job.
     ///
@@ -95,8 +107,11 @@ impl Scenario {
         if let Ok(parameters) = robot.plant_parameters() {
             let fits = file.mismatch.check_for(&parameters);
             fits.map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))?;
+            if robot.has_steppers() {
+                check_steppers(&source, &file)?;
+            }
             for (index, entry) in file.fault.iter().enumerate() {
-                entry.check_for(&parameters, &source, index)?;
+                entry.check_for(&parameters, robot.has_steppers(), &source, index)?;
             }
         }
         let job_file = beside(path, &file.job);

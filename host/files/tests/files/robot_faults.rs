@@ -123,3 +123,71 @@ fn a_number_of_the_controller_is_read_and_refused_with_its_line() {
         "{unknown:?}"
     );
 }
+
+/// The built-in robot with steppers, with this line of the first `[[actuator]]` changed.
+fn stepper(old: &str, new: &str) -> String {
+    let text = fivebar_files::robot::BuiltIn::find("benchtop_stepper")
+        .expect("built in")
+        .text;
+    assert!(text.contains(old), "{old}");
+    text.replacen(old, new, 1)
+}
+
+#[test]
+fn steppers_are_refused_what_they_cannot_do_with_the_way_out() {
+    for (old, new, sentence) in [
+        (
+            "microsteps = 16",
+            "microsteps = 16\nencoder_counts = 4000",
+            "is a key of kind \"brushed\"",
+        ),
+        (
+            "kind = \"stepper\"\n",
+            "",
+            "is missing: a drive of kind \"brushed\" needs it",
+        ),
+        ("microsteps = 16", "microsteps = 0", "must be 1 to 256"),
+        (
+            "steps_per_turn = 200",
+            "steps_per_turn = 201",
+            "multiple of 4",
+        ),
+        (
+            "microsteps = 16",
+            "microsteps = 256",
+            "a driver takes 200000",
+        ),
+        (
+            "holding_torque = 0.40",
+            "holding_torque = -0.40",
+            "`holding_torque` of [[actuator]] 1 must be",
+        ),
+        (
+            "torque_share = 0.6",
+            "torque_share = 6.0",
+            "must be 0.05 to 2",
+        ),
+        (
+            "gravity = [0.0, 0.0]",
+            "gravity = [0.0, -9.81]",
+            "its place is lost when it falls",
+        ),
+        (
+            "rated_current = 1.7",
+            "rated_current = 17.0",
+            "V over `resistance`",
+        ),
+        ("voltage = 24.0", "voltage = 3.0", "is too fast"),
+        (
+            "kind = \"stepper\"",
+            "kind = \"steper\"",
+            "unknown variant `steper`",
+        ),
+    ] {
+        let refusals = refusals(&stepper(old, new));
+        let found = refusals
+            .iter()
+            .any(|refusal| refusal.contains(sentence) && refusal.starts_with("arm.toml, line "));
+        assert!(found, "{new}: {sentence} is not in {refusals:#?}");
+    }
+}

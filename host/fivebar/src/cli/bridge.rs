@@ -43,6 +43,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.controller.robot).map_err(refused)?;
+    robot.brushed().map_err(refused)?;
     let reading = args.reading.options();
     let options = BridgeOptions {
         address: args.listen,

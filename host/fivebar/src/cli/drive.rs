@@ -50,7 +50,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
-    let settings = scenario.robot.settings().map_err(refused)?;
+    let robot = scenario.robot.brushed().map_err(refused)?;
+    let settings = robot.settings().map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
 

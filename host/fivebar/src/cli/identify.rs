@@ -71,6 +71,7 @@ const COLUMNS: [&str; 5] = [
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
+    robot.brushed().map_err(refused)?;
     match &args.log {
         Some(log) if args.payload => payload_found(args, &robot, log),
         Some(log) => identified(args, &robot, log),

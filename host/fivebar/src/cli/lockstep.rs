@@ -82,7 +82,8 @@ pub(super) fn run(
     let moves = scenario.first_moves(&job, count);
     let moves = moves.map_err(|error| refusal(&scenario, &error))?;
 
-    let settings = scenario.robot.settings().map_err(refused)?;
+    let robot = scenario.robot.brushed().map_err(refused)?;
+    let settings = robot.settings().map_err(refused)?;
     let (mut lockstep, _) =
         Lockstep::begin(line()?, &settings, &settings).map_err(|error| match error {
             LockstepError::Link(_) | LockstepError::Refused(_) => {

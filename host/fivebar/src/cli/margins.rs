@@ -27,6 +27,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
+    robot.brushed().map_err(refused)?;
     let study = MarginsStudy::new(&robot).map_err(refused)?;
     if let Some(folder) = &args.out {
         let path = folder.join("report.html");

@@ -140,6 +140,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return commission(args, out);
     }
     let robot = Robot::load(&args.controller.robot).map_err(refused)?;
+    robot.brushed().map_err(refused)?;
     let guard = Guard::with_new_token().map_err(refused)?;
     let query = format!("?token={}", guard.token());
     let image = args.controller.image();

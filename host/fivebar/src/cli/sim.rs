@@ -47,7 +47,9 @@ pub(super) fn simulate(
             scenario.simulate(&job, progress)
         },
         || {
-            let compared = scenario.control_law != ControlLaw::Pid;
+            // Steppers follow the same micro-steps under any law.
+            let compared =
+                scenario.control_law != ControlLaw::Pid && !scenario.robot.has_steppers();
             let pid = Scenario {
                 control_law: ControlLaw::Pid,
                 ..scenario.clone()
@@ -149,6 +151,9 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
         "  torque      {torque1} and {torque4} max, limited in {} ticks",
         summary.saturated_ticks
     ))?;
+    if let Some([lost1, lost4]) = summary.lost_steps {
+        say(format_args!("  lost steps  {lost1} and {lost4} full steps"))?;
+    }
     let stride = record.trace.stride();
     if stride > 1 {
         say(format_args!(

@@ -68,6 +68,7 @@ impl Commissioning {
     ) -> Result<Self, StepError> {
         let drawing = text_of(&options.robot).map_err(StepError::other)?;
         let drawn = Robot::load(&options.robot).map_err(StepError::other)?;
+        drawn.brushed().map_err(StepError::other)?;
         let record = Record::open(&options.out, &options.robot, &drawing)?;
         let text = record.robot_text()?.unwrap_or(drawing);
         let file = record.robot_path().display().to_string();

@@ -14,6 +14,9 @@ const WINDING: [f64; 2] = [1e-5, 0.05];
 /// The mechanical time constant J R/k² [s]; real ones have 0.5 ms to 100 ms.
 const MECHANICAL: [f64; 2] = [5e-5, 1.0];
 
+/// The natural frequency of a stepper's rotor without a load, from the highest on [Hz]; NEMA 8 to 34 have 80 to 500.
+const NATURAL: [f64; 2] = [2000.0, 20.0];
+
 /// The peak current as a multiple of the stall current V/R. At twice the stall current the motor brakes
 /// from its no-load speed.
 const PEAK: [f64; 2] = [1.0 / 500.0, 2.0];
@@ -60,8 +63,8 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
     let stall = voltage / motor.resistance;
     let braking = motor.torque_constant.powi(2) / motor.resistance;
     let mut rules = electrics(robot, joint, motor, stall);
-    rules.extend([
-        Plausible::new(
+    rules.push(match &motor.stepper {
+        None => Plausible::new(
             key("rotor_inertia"),
             (motor.rotor_inertia, "kg·m²"),
             MECHANICAL.map(|seconds| seconds * braking),
@@ -69,6 +72,17 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
              5e-5 to 1 s",
         )
         .or_zero(),
+        Some(stepper) => {
+            let pairs = 0.25 * f64::from(stepper.steps_per_turn);
+            Plausible::new(
+                key("rotor_inertia"),
+                (motor.rotor_inertia, "kg·m²"),
+                NATURAL.map(|hertz| pairs * stepper.holding_torque / (TAU * hertz).powi(2)),
+                "the rotor alone swings at 20 to 2000 Hz about a step of the `holding_torque`",
+            )
+        }
+    });
+    rules.extend([
         Plausible::new(
             key("viscous_friction"),
             (motor.viscous_friction, "N·m·s/rad"),

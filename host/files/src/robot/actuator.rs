@@ -1,0 +1,220 @@
+//! `[[actuator]]` as written: the keys of every kind of drive, and which kind takes which.
+
+use super::file::Actuator;
+use super::stepper::Stepper;
+use crate::source::{Key, Refusals, Source};
+use fivebar_plant::{EncoderSide, Harmonics};
+use serde::Deserialize;
+use std::fmt;
+
+/// What turns a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DriveKind {
+    /// A brushed motor on an H-bridge, with an encoder.
+    #[default]
+    Brushed,
+    /// A stepper motor on a step and direction driver.
+    Stepper,
+}
+
+impl fmt::Display for DriveKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Brushed => "brushed",
+            Self::Stepper => "stepper",
+        })
+    }
+}
+
+/// `[[actuator]]` with every key of every kind.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ActuatorFile {
+    #[serde(default)]
+    pub(super) kind: DriveKind,
+    gear_ratio: Option<f64>,
+    rotor_inertia: Option<f64>,
+    torque_constant: Option<f64>,
+    resistance: Option<f64>,
+    inductance: Option<f64>,
+    #[serde(default)]
+    viscous_friction: f64,
+    #[serde(default)]
+    coulomb_friction: f64,
+    #[serde(default)]
+    brake_torque: f64,
+    brake_engage_time: Option<f64>,
+    brake_release_time: Option<f64>,
+    encoder_counts: Option<u32>,
+    peak_current: Option<f64>,
+    continuous_current: Option<f64>,
+    thermal_time_constant: Option<f64>,
+    current_per_code: Option<f64>,
+    stiffness: Option<f64>,
+    #[serde(default)]
+    drive_damping: f64,
+    #[serde(default)]
+    encoder_side: EncoderSide,
+    #[serde(default)]
+    encoder_latency: f64,
+    #[serde(default)]
+    encoder_error: Harmonics,
+    steps_per_turn: Option<u32>,
+    microsteps: Option<u32>,
+    holding_torque: Option<f64>,
+    rated_current: Option<f64>,
+    detent_torque: Option<f64>,
+    torque_share: Option<f64>,
+}
+
+/// Keys of brushed motors only.
+const OF_BRUSHED: [&str; 9] = [
+    "torque_constant",
+    "peak_current",
+    "continuous_current",
+    "thermal_time_constant",
+    "current_per_code",
+    "encoder_counts",
+    "encoder_side",
+    "encoder_latency",
+    "encoder_error",
+];
+
+/// Keys of steppers only.
+const OF_STEPPER: [&str; 6] = [
+    "steps_per_turn",
+    "microsteps",
+    "holding_torque",
+    "rated_current",
+    "detent_torque",
+    "torque_share",
+];
+
+/// Reads the keys of one section, and notes those that are missing.
+struct Reader<'r, 's> {
+    source: &'r Source<'s>,
+    index: usize,
+    kind: DriveKind,
+    refusals: &'r mut Refusals,
+}
+
+impl Reader<'_, '_> {
+    /// A key that this kind needs.
+    fn needed(&mut self, name: &'static str, value: Option<f64>) -> f64 {
+        value.unwrap_or_else(|| {
+            let key = Key::Of("actuator", self.index, name);
+            let reason = format!("is missing: a drive of kind \"{}\" needs it", self.kind);
+            self.refusals.add(self.source.refuse(key, reason));
+            f64::NAN
+        })
+    }
+
+    /// Keys of another kind are refused, so that none is without effect.
+    fn foreign(&mut self, names: &[&'static str], of: DriveKind) {
+        for &name in names {
+            let key = Key::Of("actuator", self.index, name);
+            if self.source.holds(key) {
+                let reason = format!(
+                    "is a key of kind \"{of}\", and this drive is of kind \"{}\": leave the key out, or write \
+                     kind = \"{of}\"",
+                    self.kind
+                );
+                self.refusals.add(self.source.refuse(key, reason));
+            }
+        }
+    }
+}
+
+impl ActuatorFile {
+    /// The drive; what is missing, or of another kind, is noted, and the drive is then not complete.
+    pub(super) fn read(
+        self,
+        source: &Source<'_>,
+        index: usize,
+        refusals: &mut Refusals,
+    ) -> Actuator {
+        let mut reader = Reader {
+            source,
+            index,
+            kind: self.kind,
+            refusals,
+        };
+        match self.kind {
+            DriveKind::Brushed => {
+                reader.foreign(&OF_STEPPER, DriveKind::Stepper);
+                self.brushed(&mut reader)
+            }
+            DriveKind::Stepper => {
+                reader.foreign(&OF_BRUSHED, DriveKind::Brushed);
+                self.stepper(&mut reader)
+            }
+        }
+    }
+
+    fn brushed(self, reader: &mut Reader<'_, '_>) -> Actuator {
+        let counts = self.encoder_counts.map(f64::from);
+        Actuator {
+            torque_constant: reader.needed("torque_constant", self.torque_constant),
+            // `as` cuts nothing: the counts were whole.
+            encoder_counts: reader.needed("encoder_counts", counts) as u32,
+            peak_current: reader.needed("peak_current", self.peak_current),
+            continuous_current: reader.needed("continuous_current", self.continuous_current),
+            thermal_time_constant: reader
+                .needed("thermal_time_constant", self.thermal_time_constant),
+            ..self.any(reader)
+        }
+    }
+
+    /// A stepper, as the motor that the rest of the program knows: its holding torque at the rated current, and one
+    /// count a micro-step.
+    fn stepper(self, reader: &mut Reader<'_, '_>) -> Actuator {
+        let holding_torque = reader.needed("holding_torque", self.holding_torque);
+        let rated_current = reader.needed("rated_current", self.rated_current);
+        let microsteps = reader.needed("microsteps", self.microsteps.map(f64::from)) as u32;
+        let stepper = Stepper {
+            steps_per_turn: self.steps_per_turn.unwrap_or(Stepper::STEPS_PER_TURN),
+            microsteps,
+            holding_torque,
+            rated_current,
+            detent_torque: self.detent_torque.unwrap_or(0.0),
+            torque_share: self.torque_share.unwrap_or(Stepper::TORQUE_SHARE),
+        };
+        Actuator {
+            torque_constant: holding_torque / rated_current,
+            encoder_counts: stepper.steps_per_turn.saturating_mul(microsteps),
+            peak_current: rated_current,
+            continuous_current: rated_current,
+            thermal_time_constant: Stepper::HEATING,
+            stepper: Some(stepper),
+            ..self.any(reader)
+        }
+    }
+
+    /// What every kind has.
+    fn any(self, reader: &mut Reader<'_, '_>) -> Actuator {
+        Actuator {
+            gear_ratio: reader.needed("gear_ratio", self.gear_ratio),
+            rotor_inertia: reader.needed("rotor_inertia", self.rotor_inertia),
+            torque_constant: 0.0,
+            resistance: reader.needed("resistance", self.resistance),
+            inductance: reader.needed("inductance", self.inductance),
+            viscous_friction: self.viscous_friction,
+            coulomb_friction: self.coulomb_friction,
+            brake_torque: self.brake_torque,
+            brake_engage_time: self.brake_engage_time,
+            brake_release_time: self.brake_release_time,
+            encoder_counts: 0,
+            peak_current: 0.0,
+            continuous_current: 0.0,
+            thermal_time_constant: 0.0,
+            current_per_code: self.current_per_code,
+            stiffness: self.stiffness,
+            drive_damping: self.drive_damping,
+            encoder_side: self.encoder_side,
+            encoder_latency: self.encoder_latency,
+            encoder_error: self.encoder_error,
+            stepper: None,
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! Stepper motors: their torque against speed, and their checks.
+//!
+//! A stepper loses steps where its load exceeds its pull-out torque, which falls with the speed. Motions take a share of
+//! it: that at the joint's greatest speed, which is the least.
+
+use super::{Actuator, Robot};
+use crate::source::{Key, Refusals, Source};
+use fivebar_kinematics::five_bar::Joint;
+
+/// What a stepper has besides the values that every motor has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepper {
+    /// Full steps per turn.
+    pub steps_per_turn: u32,
+    /// Micro-steps per full step.
+    pub microsteps: u32,
+    /// Holding torque T at the motor, of both windings at the rated current [N·m].
+    pub holding_torque: f64,
+    /// Current I at the peak of a winding [A].
+    pub rated_current: f64,
+    /// Detent torque at the motor [N·m].
+    pub detent_torque: f64,
+    /// Share of the pull-out torque that a motion may take.
+    pub torque_share: f64,
+}
+
+/// The fewest and most full steps per turn.
+const STEPS_PER_TURN: [u32; 2] = [20, 1000];
+/// The most micro-steps per full step: those of TMC drivers.
+const MICROSTEPS: u32 = 256;
+/// The detent torque over the holding torque; motors have 0.02 to 0.1.
+const DETENT: [f64; 2] = [0.002, 0.5];
+/// The most micro-steps in a second of one motor.
+const STEP_RATE: f64 = 200e3;
+
+impl Stepper {
+    /// If the file has none.
+    pub(super) const STEPS_PER_TURN: u32 = 200;
+    /// If the file has none.
+    pub(super) const TORQUE_SHARE: f64 = 0.6;
+    /// No model of heat guards a stepper, whose driver limits its current: the time of a NEMA 17 with its mount [s].
+    pub(super) const HEATING: f64 = 600.0;
+
+    fn motor(&self, actuator: &Actuator) -> fivebar_plant::Stepper {
+        fivebar_plant::Stepper {
+            gear_ratio: actuator.gear_ratio,
+            rotor_inertia: actuator.rotor_inertia,
+            steps_per_turn: self.steps_per_turn,
+            microsteps: self.microsteps,
+            holding_torque: self.holding_torque,
+            rated_current: self.rated_current,
+            resistance: actuator.resistance,
+            inductance: actuator.inductance,
+            detent_torque: self.detent_torque,
+            encoder: false,
+        }
+    }
+}
+
+/// The robot has steppers, where brushed motors are needed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "robot `{0}` has steppers: `fivebar sim` runs jobs on them, but no image of the firmware drives them yet, and \
+     loops, logs and commissioning are of brushed motors"
+)]
+pub struct SteppersOnly(pub String);
+
+impl Robot {
+    /// Its steppers, for the simulated arm.
+    pub fn steppers(&self) -> Option<[fivebar_plant::Stepper; 2]> {
+        let [first, second] = self.actuators.as_ref()?;
+        Some([first.stepper?.motor(first), second.stepper?.motor(second)])
+    }
+
+    /// The inertias at the motors of an arm at home, rotors included [kg·m²]; none without steppers.
+    fn inertia_at_motors(&self) -> Option<[f64; 2]> {
+        let motors = self.steppers()?;
+        let home = self.home_pose().ok()?;
+        let mass = self.arm?.mass_matrix(&home).ok()?;
+        Some(Joint::ALL.map(|joint| {
+            let j = joint.index();
+            mass[(j, j)] / motors[joint].gear_ratio.powi(2)
+        }))
+    }
+
+    /// The longest period in which a stepper swings about a step with the arm at home [s]; none without steppers. An
+    /// acceleration that takes that long to change leaves little swing behind.
+    pub fn swing_period(&self) -> Option<f64> {
+        let (motors, inertia) = (self.steppers()?, self.inertia_at_motors()?);
+        let periods = Joint::ALL.map(|j| 1.0 / motors[j].natural_frequency(inertia[j]));
+        Some(periods[0].max(periods[1]))
+    }
+
+    /// The greater of both ratios of the links' inertia at a stepper to its rotor's, with the arm at home; none without
+    /// steppers.
+    pub fn inertia_ratio(&self) -> Option<f64> {
+        let (motors, inertia) = (self.steppers()?, self.inertia_at_motors()?);
+        let ratios = Joint::ALL.map(|j| inertia[j] / motors[j].rotor_inertia - 1.0);
+        Some(ratios[0].max(ratios[1]))
+    }
+
+    /// Whether its joints are turned by steppers.
+    pub fn has_steppers(&self) -> bool {
+        self.actuators
+            .is_some_and(|actuators| actuators.iter().all(|it| it.stepper.is_some()))
+    }
+
+    /// The robot, for what needs brushed motors.
+    ///
+    /// # Errors
+    /// Its motors are steppers.
+    pub fn brushed(&self) -> Result<&Self, SteppersOnly> {
+        match self.has_steppers() {
+            true => Err(SteppersOnly(self.name.clone())),
+            false => Ok(self),
+        }
+    }
+}
+
+impl Actuator {
+    /// The torque that a stepper gives without losing steps up to the joint's greatest speed [rad/s], over its holding
+    /// torque; 1 of other motors.
+    pub(super) fn pull_out_share(&self, voltage: f64, max_speed: f64) -> f64 {
+        self.stepper.map_or(1.0, |stepper| {
+            let motor = stepper.motor(self);
+            let pull_out = motor.pull_out_torque(max_speed * self.gear_ratio, voltage);
+            stepper.torque_share * pull_out / stepper.holding_torque
+        })
+    }
+}
+
+/// Checks each stepper by itself.
+pub(super) fn check(
+    source: &Source<'_>,
+    index: usize,
+    actuator: &Actuator,
+    refusals: &mut Refusals,
+) {
+    let Some(stepper) = &actuator.stepper else {
+        return;
+    };
+    let key = |name| Key::Of("actuator", index, name);
+    let [least, greatest] = STEPS_PER_TURN;
+    if !(least..=greatest).contains(&stepper.steps_per_turn)
+        || !stepper.steps_per_turn.is_multiple_of(4)
+    {
+        let reason = format!(
+            "must be a multiple of 4 from {least} to {greatest}, not {}: 200 of 1.8°, 400 of 0.9°",
+            stepper.steps_per_turn
+        );
+        refusals.add(source.refuse(key("steps_per_turn"), reason));
+    }
+    if !(1..=MICROSTEPS).contains(&stepper.microsteps) {
+        let reason = format!(
+            "must be 1 to {MICROSTEPS} per full step, not {}",
+            stepper.microsteps
+        );
+        refusals.add(source.refuse(key("microsteps"), reason));
+    }
+    for (name, value) in [
+        ("holding_torque", stepper.holding_torque),
+        ("rated_current", stepper.rated_current),
+        ("rotor_inertia", actuator.rotor_inertia),
+    ] {
+        refusals.check(super::value::positive(source, key(name), value));
+    }
+    let detent = stepper.detent_torque;
+    let [least, greatest] = DETENT.map(|share| share * stepper.holding_torque);
+    if detent != 0.0 && !(least..=greatest).contains(&detent) {
+        let reason = format!(
+            "must be 0, or 1/500 to 1/2 of `holding_torque`, in N·m at the motor, not {detent:?} N·m"
+        );
+        refusals.add(source.refuse(key("detent_torque"), reason));
+    }
+    // Above 1 the motor is overloaded on purpose: to see the simulated arm lose steps.
+    if !(0.05..=2.0).contains(&stepper.torque_share) {
+        let reason = format!(
+            "must be 0.05 to 2 of the pull-out torque, not {:?}; 0.6 leaves room for what is not known",
+            stepper.torque_share
+        );
+        refusals.add(source.refuse(key("torque_share"), reason));
+    }
+}
+
+/// Checks the steppers of a robot with its supply, its speeds and its weight.
+pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
+    let Some(actuators) = &robot.actuators else {
+        return;
+    };
+    if actuators[0].stepper.is_some() != actuators[1].stepper.is_some() {
+        let reason = "must be the same for both joints";
+        refusals.add(source.refuse(Key::Of("actuator", 1, "kind"), reason));
+        return;
+    }
+    let voltage = robot.supply.voltage;
+    let home = robot.home_pose().ok();
+    let weight = home
+        .zip(robot.arm)
+        .and_then(|(home, arm)| arm.gravity_torque(&home).ok());
+    for joint in Joint::ALL {
+        let actuator = &actuators[joint];
+        let Some(stepper) = &actuator.stepper else {
+            return;
+        };
+        let key = |name| Key::Of("actuator", joint.index(), name);
+        let max_speed = robot.limits.max_speed[joint];
+        let turns = max_speed * actuator.gear_ratio.abs() / std::f64::consts::TAU;
+        let rate = turns * f64::from(actuator.encoder_counts);
+        if rate > STEP_RATE {
+            let reason = format!(
+                "of {joint} needs {rate:.0} micro-steps/s, and a driver takes {STEP_RATE:.0}: lower it, or the \
+                 `microsteps` of [[actuator]], to {:.3} rad/s",
+                max_speed * STEP_RATE / rate
+            );
+            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+        }
+        if actuator.resistance * stepper.rated_current > voltage {
+            let reason = format!(
+                "needs {:.1} V over `resistance`, and [supply] has {voltage:?} V",
+                actuator.resistance * stepper.rated_current
+            );
+            refusals.add(source.refuse(key("rated_current"), reason));
+        }
+        let motor = stepper.motor(actuator);
+        let at_speed = motor.pull_out_torque(max_speed * actuator.gear_ratio, voltage);
+        if at_speed < LEAST_SHARE * stepper.holding_torque {
+            let reason = format!(
+                "of {joint} is too fast: at {:.0} rad/s the motor has {:.3} N·m of its {:?} N·m; lower it, or give \
+                 the motor more voltage",
+                max_speed * actuator.gear_ratio.abs(),
+                at_speed,
+                stepper.holding_torque
+            );
+            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+            continue;
+        }
+        let share = actuator.pull_out_share(voltage, max_speed);
+        let most = share * stepper.holding_torque * actuator.gear_ratio.abs();
+        let weight = weight.map_or(0.0, |torques| torques[joint.index()].abs());
+        if weight > most {
+            let reason = format!(
+                "cannot hold {joint} against gravity: at home it needs {weight:.3} N·m at the joint, and {most:.3} N·m \
+                 are {:?} of the pull-out torque at `max_speed`",
+                stepper.torque_share
+            );
+            refusals.add(source.refuse(key("holding_torque"), reason));
+        }
+        let friction = actuator.coulomb_friction
+            + stepper.detent_torque * actuator.gear_ratio.abs()
+            + actuator.brake_torque;
+        if weight > friction {
+            let reason = format!(
+                "must hold the arm while its motors are off, {weight:.3} N·m at home: without an encoder its place is \
+                 lost when it falls"
+            );
+            refusals.add(source.refuse(key("brake_torque"), reason));
+        }
+    }
+}
+
+/// The least pull-out torque at the greatest speed, over the holding torque.
+const LEAST_SHARE: f64 = 0.1;

@@ -1,0 +1,63 @@
+//! Runs on an arm with steppers.
+
+use super::{RunError, SimulatedArm, check_mismatch, settings_error, start_pose};
+use crate::link::InProcess;
+use fivebar_files::scenario::Scenario;
+use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
+use fivebar_firmware::{ArmCommand, ArmSample};
+use fivebar_kinematics::five_bar::Joint;
+use fivebar_plant::{PlantFault, Stepper, StepperPlant};
+
+/// The simulated arm, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors.
+pub(super) fn plant(scenario: &Scenario, motors: &[Stepper; 2]) -> Result<StepperPlant, RunError> {
+    let pose = start_pose(scenario)?;
+    let parameters = scenario.robot.plant_parameters()?;
+    check_mismatch(scenario, &parameters)?;
+    let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
+    let mut plant = StepperPlant::new(&parameters, motors, mismatch, &pose, seed);
+    for &fault in &scenario.initial_faults {
+        plant.arm_mut().inject(fault);
+    }
+    Ok(plant)
+}
+
+/// A controller of stepper drives.
+pub(super) fn controller(scenario: &Scenario) -> Result<InProcess<StepDrives>, RunError> {
+    InProcess::new(&scenario.robot.settings()?).map_err(|error| settings_error(scenario, error))
+}
+
+impl SimulatedArm for StepperPlant {
+    type Drives = StepDrives;
+
+    fn sense(&mut self) -> ArmSample<StepSample> {
+        Self::sense(self)
+    }
+
+    fn step(&mut self, command: &ArmCommand<StepCommand>, period: f64) {
+        Self::step(self, command, period);
+    }
+
+    fn schedule_faults(&mut self, faults: &[PlantFault]) {
+        self.arm_mut().schedule_faults(faults);
+    }
+
+    fn tool(&self) -> [f64; 2] {
+        Self::tool(self).into()
+    }
+
+    fn angle(&self, joint: Joint) -> f64 {
+        Self::angle(self, joint)
+    }
+
+    fn torque(&self) -> [f64; 2] {
+        Self::torque(self)
+    }
+
+    fn current(&self) -> [f64; 2] {
+        Self::current(self)
+    }
+
+    fn lost_steps(&self) -> Option<[i64; 2]> {
+        Some(Self::lost_steps(self))
+    }
+}
