@@ -189,6 +189,8 @@ pub enum WarningKind {
     Utf16,
     /// The pens of a drawing that has several.
     Pens(Vec<String>),
+    /// What of a drawing is not read, by its name in the file.
+    LeftOut(String),
     /// A part of a drawing that is drawn otherwise or not at all.
     Drawing(&'static str),
 }
@@ -302,6 +304,7 @@ impl fmt::Display for Warning {
                     pens.join(", ")
                 );
             }
+            WarningKind::LeftOut(what) => write!(f, "left out: {what}; convert it to lines first"),
             WarningKind::Drawing(what) => f.write_str(what),
         }?;
         if self.count > 1 {

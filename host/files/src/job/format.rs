@@ -9,6 +9,7 @@ pub(super) enum Format {
     Gcode,
     Svg,
     Hpgl,
+    Dxf,
     /// It is no job.
     Foreign {
         name: &'static str,
@@ -96,7 +97,7 @@ pub(super) fn of(text: &str) -> Format {
         return Format::Svg;
     }
     if is_dxf(start) {
-        return foreign("a DXF drawing", DRAWING);
+        return Format::Dxf;
     }
     if is_hpgl(start) {
         return Format::Hpgl;

@@ -6,6 +6,7 @@
 
 pub mod arc;
 mod drawing;
+mod dxf;
 mod error;
 mod evidence;
 mod format;
@@ -94,7 +95,7 @@ pub struct Job {
     pub stops: Vec<Stop>,
     /// What is skipped, and what was guessed.
     pub warnings: Vec<Warning>,
-    /// Whether the job is an SVG or HPGL. Its steps then count strokes in place of lines: stroke n has the
+    /// Whether the job is an SVG, HPGL or DXF. Its steps then count strokes in place of lines: stroke n has the
     /// number 2n, the way to it 2n − 1.
     pub is_drawing: bool,
     /// Whether a point depends on where home is, so that the job has another shape elsewhere.
@@ -219,7 +220,7 @@ impl Action {
 }
 
 impl Job {
-    /// Reads G-code, SVG or HPGL as [`JobOptions::default`] has it.
+    /// Reads G-code, SVG, HPGL or DXF as [`JobOptions::default`] has it.
     ///
     /// # Errors
     /// The first line that is not valid, or a job without motion.
@@ -227,7 +228,7 @@ impl Job {
         Self::parse_with(text, placement, &JobOptions::default())
     }
 
-    /// Reads G-code, SVG or HPGL, by the first characters of the text.
+    /// Reads G-code, SVG, HPGL or DXF, by the first characters of the text.
     ///
     /// # Errors
     /// As [`Job::parse`].
@@ -240,6 +241,7 @@ impl Job {
         let mut job = match format::of(text) {
             Format::Gcode => interpreter::interpret(text, placement, options)?,
             Format::Svg => svg_job(text, placement, options)?,
+            Format::Dxf => dxf::interpret(text, placement, options)?,
             Format::Hpgl => hpgl::interpret(text, placement, options)?,
             Format::Foreign { name, remedy } => return Err(JobError::Format { name, remedy }),
         };
@@ -369,7 +371,7 @@ impl Job {
 pub(crate) fn is_drawing(text: &str) -> bool {
     matches!(
         format::of(text::without_mark(text).0),
-        Format::Svg | Format::Hpgl
+        Format::Svg | Format::Hpgl | Format::Dxf
     )
 }
 

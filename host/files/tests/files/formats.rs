@@ -26,11 +26,6 @@ fn other_formats_are_refused_by_name_with_the_remedy() {
         (b"%PDF-1.5\n%\xB5\xED", "a PDF", "Inkscape"),
         (b"%!PS-Adobe-3.0 EPSF-3.0\n", "a PostScript", "Inkscape"),
         (b"\xC5\xD0\xD3\xC6\x1E\0\0\0", "a PostScript", "Inkscape"),
-        (
-            b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n",
-            "a DXF drawing",
-            "SVG",
-        ),
         (b"AutoCAD Binary DXF\r\n\x1a\0", "a binary DXF", "SVG"),
         (b"AC1032\0\0", "a DWG drawing", "SVG"),
         (b"PK\x03\x04\x14\0", "a 3MF", "export"),

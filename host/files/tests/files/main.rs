@@ -3,6 +3,7 @@
 mod design_specs;
 mod document;
 mod drive_keys;
+mod dxf_drawings;
 mod factors;
 mod formats;
 mod gcode_codes;

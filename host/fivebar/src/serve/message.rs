@@ -43,6 +43,8 @@ pub(super) enum ClientRequest {
         /// θ1 or θ4, up to whole turns [rad].
         to: f64,
     },
+    /// Put the pen down or lift it, where the arm rests.
+    Pen(PenPosition),
     /// Change to this working mode (the sides of elbows 1 and 4) with the same position of
     /// the tool.
     Mode([Side; 2]),
@@ -87,6 +89,14 @@ pub(super) struct Shift {
 pub(super) enum DrivenJoint {
     Theta1,
     Theta4,
+}
+
+/// Where a pen is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum PenPosition {
+    Up,
+    Down,
 }
 
 /// The controller's requests, by the names that pages use.
@@ -250,7 +260,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 14];
+        let mut seen = [false; 15];
         for example in examples.lines() {
             let kind = match serde_json::from_str(example).expect(example) {
                 ClientRequest::Alive => 0,
@@ -267,10 +277,11 @@ mod tests {
                 ClientRequest::RunOn(_) => 11,
                 ClientRequest::Feed(_) => 12,
                 ClientRequest::Place(_) => 13,
+                ClientRequest::Pen(_) => 14,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 14]);
+        assert_eq!(seen, [true; 15]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::parsed_job::ParsedJob;
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{Move, MoveKind, Status};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Status};
 use fivebar_sim::path_queue::{PathQueue, Shares};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -12,6 +12,9 @@ const WAITING: usize = 4;
 /// Time of a job after which its pace is known [s].
 const MEASURED: f64 = 1.0;
 
+/// Rest in which a page's pen moves [s]; the planner adds the time of a servo.
+const PEN_TIME: f32 = 1e-3;
+
 /// Gives the controller a move whenever its queue has room.
 #[derive(Default)]
 pub(super) struct MoveFeeder {
@@ -20,7 +23,7 @@ pub(super) struct MoveFeeder {
     /// Its moves on their way. Their own tags are their numbers in the job, from 1.
     path: PathQueue,
     /// The moves to the next target; they are sent as soon as the queue is nearly empty.
-    target: VecDeque<MoveKind>,
+    target: VecDeque<Move>,
     /// The end of the last accepted target; none: the arm's present reference.
     end: Option<MoveEnd>,
     /// How many moves the controller's empty queue takes.
@@ -248,7 +251,19 @@ impl MoveFeeder {
 
     /// Replaces a target that the controller has not accepted yet by several moves to one.
     pub(super) fn set_way(&mut self, moves: impl IntoIterator<Item = MoveKind>) {
-        self.target = moves.into_iter().collect();
+        let (tag, tool) = (0, 0);
+        let moves = moves.into_iter();
+        self.target = moves.map(|kind| Move { tag, tool, kind }).collect();
+    }
+
+    /// Puts the tool down or lifts it while the arm rests. The next target lifts it.
+    pub(super) fn set_pen(&mut self, is_down: bool) {
+        self.target = [Move {
+            tag: 0,
+            tool: if is_down { FULL_TOOL } else { 0 },
+            kind: MoveKind::Dwell { duration: PEN_TIME },
+        }]
+        .into();
     }
 
     /// Whether no target waits, and the arm is where the last one led.
@@ -258,7 +273,10 @@ impl MoveFeeder {
 
     /// The point at which the next move begins; none: the arm's present reference.
     pub(super) fn end(&self) -> Option<MoveEnd> {
-        self.target.back().and_then(MoveEnd::of).or(self.end)
+        self.target
+            .back()
+            .and_then(|next| MoveEnd::of(&next.kind))
+            .or(self.end)
     }
 
     /// Drops the target, and stops the job at its place.
@@ -378,9 +396,10 @@ impl MoveFeeder {
             return self.path.next().filter(|_| room > 0);
         }
         // A target waits until the queue is nearly empty, so that the latest one is sent.
-        let kind = *self.target.front().filter(|_| room + 1 >= self.empty)?;
-        let (tag, tool) = (0, 0);
-        Some(Move { tag, tool, kind })
+        self.target
+            .front()
+            .filter(|_| room + 1 >= self.empty)
+            .copied()
     }
 
     /// Records that the controller has accepted the move.

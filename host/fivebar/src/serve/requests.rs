@@ -4,7 +4,7 @@ use super::channels::{Event, EventKind, Page};
 use super::controller_thread::ControllerThread;
 use super::job_thread::JobSource;
 use super::lease::PageId;
-use super::message::{ClientRequest, ControllerRequest, DrivenJoint};
+use super::message::{ClientRequest, ControllerRequest, DrivenJoint, PenPosition};
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
 use super::stop_signal::Stop;
@@ -39,6 +39,7 @@ impl ClientRequest {
             | Self::Follow(_)
             | Self::JogJoint { .. }
             | Self::Turn { .. }
+            | Self::Pen(_)
             | Self::Mode(_)
             | Self::Run
             | Self::RunFrom(_)
@@ -160,6 +161,7 @@ impl ControllerThread {
                 self.move_joint(joint, |angle| angle + single(by))
             }
             ClientRequest::Turn { joint, to } => self.move_joint(joint, |_| single(to)),
+            ClientRequest::Pen(position) => self.move_pen(position),
             ClientRequest::Mode(elbows) => {
                 self.change_mode(page.id, elbows);
                 Ok(())
@@ -211,6 +213,20 @@ impl ControllerThread {
             self.cleared = Some(Instant::now());
         }
         Ok(answer)
+    }
+
+    /// Puts the pen down or lifts it. A tool with power, such as a laser, works along strokes only.
+    fn move_pen(&mut self, position: PenPosition) -> Result<(), Refused> {
+        if !self.session.settings.tool_output.waits() {
+            return Err(
+                "The arm has no pen: its tool is none, or works along strokes only.".into(),
+            );
+        }
+        if !self.rests() || !self.feeder.has_no_target() {
+            return Err("The arm is moving: stop it or wait until it rests.".into());
+        }
+        self.feeder.set_pen(position == PenPosition::Down);
+        Ok(())
     }
 
     fn jog(&mut self, [dx, dy]: [f32; 2]) -> Result<(), Refused> {

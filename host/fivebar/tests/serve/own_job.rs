@@ -30,7 +30,7 @@ fn drawn_to_the_end(page: &mut Page) -> Vec<[f64; 2]> {
     loop {
         let Some(message) = page.next() else { continue };
         if let Some(state) = message.get("state")
-            && state["tool_level"] == 1.0
+            && number(&state["tool_level"]) > 0.99
         {
             drawn.push([0, 1].map(|axis| number(&state["tool"][axis])));
         }
@@ -230,7 +230,7 @@ fn the_working_mode_changes_through_a_stretched_leg_and_back() {
 
 #[test]
 fn a_job_waits_at_m0_with_the_tool_up_until_it_is_resumed_though_the_arm_was_jogged() {
-    let server = Server::start(&[]);
+    let server = Server::start(&["--robot", "benchtop_pen"]);
     let mut page = server.page();
     page.take_control_and_arm();
     let text = "G21 G90 F3000\nM3\nG1 X40\nM0 (the red pen)\nG1 X0\nG1 X40\nM1\n";
@@ -246,8 +246,8 @@ fn a_job_waits_at_m0_with_the_tool_up_until_it_is_resumed_though_the_arm_was_jog
     let until = time(&paused) + 1.0;
     let waiting = page.state("a second", |state| time(state) > until);
     assert_eq!(
-        (&waiting["state"], &waiting["tool_level"]),
-        (&json!("Armed"), &json!(0.0))
+        (&waiting["state"], number(&waiting["tool_level"]) < 0.01),
+        (&json!("Armed"), true)
     );
     page.send(&json!({ "jog": [0.0, 0.01] }));
     let start = time(&waiting);
@@ -262,4 +262,37 @@ fn a_job_waits_at_m0_with_the_tool_up_until_it_is_resumed_though_the_arm_was_jog
     );
     let state = page.latest_state();
     assert_eq!(state["pause"], Value::Null);
+}
+
+#[test]
+fn the_pen_goes_down_and_up_where_the_arm_rests_and_a_jog_lifts_it() {
+    let server = Server::start(&["--robot", "benchtop_pen"]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    let tool = page.latest_state()["tool"].clone();
+    for (position, level) in [("down", 1.0), ("up", 0.0), ("down", 1.0)] {
+        page.send(&json!({ "pen": position }));
+        let state = page.state(position, |state| {
+            state["state"] == "Armed" && (number(&state["tool_level"]) - level).abs() < 0.01
+        });
+        let moved = [0, 1].map(|axis| number(&state["tool"][axis]) - number(&tool[axis]));
+        assert!(moved[0].hypot(moved[1]) < 1e-4, "{moved:?}");
+    }
+    page.state_named("Armed");
+    page.send(&json!({ "jog": [0.02, 0.0] }));
+    page.send(&json!({ "pen": "down" }));
+    notice(&mut page, "The arm is moving");
+    page.state("the pen up", |state| number(&state["tool_level"]) < 0.01);
+}
+
+#[test]
+fn an_arm_without_a_pen_or_without_power_refuses_to_put_one_down() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.send(&json!("control"));
+    page.send(&json!({ "pen": "down" }));
+    notice(&mut page, "not armed");
+    page.take_control_and_arm();
+    page.send(&json!({ "pen": "down" }));
+    notice(&mut page, "The arm has no pen");
 }

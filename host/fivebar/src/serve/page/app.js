@@ -115,14 +115,15 @@ function showState(state) {
 
 // The name by which `whyNot` knows a control.
 function nameOf(control) {
-  const { request, jog, turn, place } = control.dataset;
+  const { request, jog, turn, place, pen } = control.dataset;
   if (request) return request;
   if (jog || turn) return "jog";
+  if (pen) return "pen";
   return place || control.id === "grab" ? "place" : control.id;
 }
 
 // The controls that move the arm, or power its motors.
-const MOVING = ["home", "arm", "clear_fault", "control", "run", "run-from", "resume", "jog", "change"];
+const MOVING = ["home", "arm", "clear_fault", "control", "run", "run-from", "resume", "jog", "pen", "change"];
 const controls = [...document.querySelectorAll("#panel button:not([data-mode])")];
 const modes = [...document.querySelectorAll("[data-mode]")];
 const controlOf = (name) => document.querySelector(`[data-request="${name}"]`) ?? at(name);
@@ -248,7 +249,7 @@ function zoom(how) {
 }
 
 function act(button, event) {
-  const { request, jog: direction, turn, place: where, zoom: how, mode } = button.dataset;
+  const { request, jog: direction, turn, pen, place: where, zoom: how, mode } = button.dataset;
   const name = nameOf(button);
   const isMeant = clicks.admits(name, button, event);
   // What this page last received keeps no stop back.
@@ -263,6 +264,7 @@ function act(button, event) {
   if (request) send({ request });
   else if (direction) jog(...direction.split(",").map(Number));
   else if (turn) jogJoint(turn.slice(0, -1), turn.endsWith("+") ? 1 : -1);
+  else if (pen) send({ pen });
   else if (where) {
     const [x, y, scale, degrees] = where.split(",").map(Number);
     place([x * SHIFT, y * SHIFT], scale, degrees);

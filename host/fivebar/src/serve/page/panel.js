@@ -44,6 +44,8 @@ export function whyNot(control, state, job) {
     case "clear_fault": return name === "Fault" ? null : "there is no fault";
     case "jog": case "change":
       return isJob ? "a job runs" : armed || running ? null : `the arm is ${name}`;
+    case "pen":
+      return isJob ? "a job runs" : armed ? null : running ? "the arm moves" : "the motors are off";
     case "resume": return state.held === null ? "no job was stopped" : armed ? null : "the motors are off";
     case "run": case "run-from":
       if (isJob) return "a job runs";
