@@ -75,7 +75,9 @@ impl fmt::Display for AnalysisError {
             Self::Slider(error) => error.fmt(f),
             Self::BeyondTravel { x2, x8 } => write!(
                 f,
-                "beyond the sliders' travel: x2 = {x2:.4} m, x8 = {x8:.4} m"
+                "beyond the sliders' travel: x2 = {:.1} mm, x8 = {:.1} mm",
+                1e3 * x2,
+                1e3 * x8
             ),
         }
     }
@@ -104,5 +106,20 @@ impl From<ArmAccuracyError> for AnalysisError {
 impl From<slider::PoseError> for AnalysisError {
     fn from(error: slider::PoseError) -> Self {
         Self::Slider(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::AnalysisError;
+
+    #[test]
+    fn places_beyond_the_travel_are_in_millimetres() {
+        let error = AnalysisError::BeyondTravel {
+            x2: 0.25,
+            x8: -0.0306,
+        };
+        let text = "beyond the sliders' travel: x2 = 250.0 mm, x8 = -30.6 mm";
+        assert_eq!(error.to_string(), text);
     }
 }
