@@ -17,6 +17,8 @@ const TRIED: u32 = 40;
 pub(crate) fn robots() -> Vec<Robot> {
     let robots = BUILT_IN.iter().filter_map(|built_in| built_in.robot().ok());
     let robots = robots.filter(|robot| robot.tool_output == ToolOutputSettings::None);
+    // The rules are those of brushed motors.
+    let robots = robots.filter(|robot| robot.brushed().is_ok());
     robots.filter(|robot| robot.settings().is_ok()).collect()
 }
 
