@@ -116,6 +116,11 @@ impl RunningJob {
         }
     }
 
+    /// The number of moves before the present one; a way back to the job has tag 0, and is before all of them.
+    fn number(&self, present: Option<u32>) -> usize {
+        present.map_or(self.sent, |tag| tag.saturating_sub(1) as usize)
+    }
+
     /// Holds at the pause where all moves up to it are done; the next moves are those behind it.
     fn hold_at_pause(&mut self) {
         self.phase = JobPhase::Held;
@@ -160,14 +165,14 @@ impl MoveFeeder {
     /// The part of the job at which it goes on; none if no job was begun.
     pub(super) fn part(&self) -> Option<usize> {
         let run = self.job.as_ref()?;
-        let number = self.path.present().map_or(run.sent, |tag| tag as usize - 1);
+        let number = run.number(self.path.present());
         Some(run.job.part(number))
     }
 
     /// The time of the job that has passed, and its whole time, both at its feed rates [s].
     pub(super) fn progress(&self) -> Option<[f64; 2]> {
         let run = self.job.as_ref()?;
-        let number = self.path.present().map_or(run.sent, |tag| tag as usize - 1);
+        let number = run.number(self.path.present());
         let passed = number
             .checked_sub(1)
             .map_or(0.0, |last| run.job.times[last]);
