@@ -65,7 +65,8 @@ pub enum TimeOptimalError {
 
 /// The share of the joints' speeds and accelerations, and of the supply, that plans use.
 const JOINT_SHARE: f64 = 0.98;
-/// The greatest ratio of the links' inertia at a stepper to its rotor's: simulated arms lose steps from 34 on.
+/// The greatest ratio of the links' inertia at a stepper to its rotor's. Of twenty simulated arms of other sizes and
+/// gear ratios, none with a ratio up to 29 lost a step, and all three from 34 on did.
 const MOST_INERTIA: f64 = 30.0;
 /// Time between the knots of a plan's spline, on arms that are not on steppers [s].
 const INTERVAL: f64 = 4e-3;

@@ -43,8 +43,6 @@ struct Axis {
     to_miss: u32,
     /// The motor's angle at the start, which is a full step [rad].
     start: f64,
-    /// The current that the driver gives, as a share of the rated one.
-    share: f64,
 }
 
 impl StepperPlant {
@@ -82,7 +80,6 @@ impl StepperPlant {
                 missed: 0,
                 to_miss: 0,
                 start: motor.gear_ratio * arm.angle(j),
-                share: 1.0,
             }
         });
         Self {
@@ -148,11 +145,7 @@ impl StepperPlant {
         let supply = self.arm.bus_voltage();
         let axis = &mut self.axes[joint];
         let motor = &axis.motor;
-        let current = if powered {
-            axis.share * motor.rated_current
-        } else {
-            0.0
-        };
+        let current = if powered { motor.rated_current } else { 0.0 };
         let (sin, cos) = libm::sincos(motor.field(axis.made - axis.missed));
         let set_point = [current * cos, current * sin];
         let Energy { supplied, lost } = axis.windings.step(motor, set_point, rotor, supply, time);
@@ -201,11 +194,6 @@ impl StepperPlant {
             let slipped = 4 * ((rotor - field) / 4.0).round() as i64;
             slipped - axis.missed / microsteps
         })
-    }
-
-    /// The driver's current from now on, as a share of the rated one: drivers reduce it at rest.
-    pub fn set_current(&mut self, joint: Joint, share: f64) {
-        self.axes[joint].share = share;
     }
 
     /// The motors' torques at the joints [N·m].

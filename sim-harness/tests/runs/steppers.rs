@@ -107,3 +107,64 @@ fn heavy_links_on_a_small_gear_ratio_are_not_drawn_at_the_limit_of_the_torque() 
         "{error}"
     );
 }
+
+/// The built-in arm with other lengths (inertias with their square) and another gear ratio, and the same speed at the
+/// motors.
+fn resized(size: f64, gear_ratio: f64) -> Robot {
+    let number = |line: &str, key: &str| -> Option<f64> {
+        let value = line.strip_prefix(key)?.trim_start_matches([' ', '=', '[']);
+        value.split([',', ' ']).next()?.parse().ok()
+    };
+    benchtop(|text| {
+        let line = |line: &str| {
+            if let Some(length) = number(line, "length") {
+                format!("length = {:?}", size * length)
+            } else if let Some(base) = number(line, "base") {
+                format!("base = {:?}", size * base)
+            } else if let Some(along) = number(line, "com") {
+                format!("com = [{:?}, 0.0]", size * along)
+            } else if let Some(inertia) = number(line, "inertia") {
+                format!("inertia = {:?}", size * size * inertia)
+            } else if line.starts_with("gear_ratio") {
+                format!("gear_ratio = {gear_ratio:?}")
+            } else if line == "max_speed = [35.0, 35.0]" {
+                format!("max_speed = [{0:?}, {0:?}]", 140.0 / gear_ratio)
+            } else {
+                line.to_owned()
+            }
+        };
+        text.lines().map(|text| line(text) + "\n").collect()
+    })
+}
+
+#[test]
+fn arms_of_other_sizes_lose_no_step_with_masses_friction_and_supply_off() {
+    let petal = include_str!("../../../host/files/jobs/petal.gcode");
+    let cases = [
+        (0.8, 3.0),
+        (1.2, 4.0),
+        (1.4, 6.0),
+        (1.0, 6.0),
+        (0.75, 2.0),
+        (1.15, 3.0),
+    ];
+    for (index, (size, gear_ratio)) in cases.into_iter().enumerate() {
+        let robot = resized(size, gear_ratio);
+        assert!(robot.inertia_ratio().unwrap() < 30.0);
+        let mut scenario = Scenario::new("petal", robot, "petal.gcode", petal.into());
+        let off = |bit: usize| if index >> bit & 1 == 0 { 0.15 } else { -0.15 };
+        scenario.mismatch.link_mass = off(0);
+        scenario.mismatch.friction = off(1);
+        let volts = 24.0 * (1.0 + off(2));
+        scenario
+            .initial_faults
+            .push(FaultKind::BusVoltage { volts });
+        for time_optimal in [None, Some(0.7)] {
+            scenario.time_optimal = time_optimal;
+            let (summary, record) = run(&scenario);
+            assert_eq!(summary.lost_steps, Some([0, 0]), "{size}, {gear_ratio}");
+            assert!(record.faults.is_empty());
+            assert!(summary.tip_error.rms_m < 1e-3, "{:?}", summary.tip_error);
+        }
+    }
+}

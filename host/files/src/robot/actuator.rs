@@ -3,7 +3,7 @@
 use super::file::Actuator;
 use super::stepper::Stepper;
 use crate::source::{Key, Refusals, Source};
-use fivebar_plant::{EncoderSide, Harmonics};
+use fivebar_plant::{EncoderSide, Harmonics, Stepper as Motor};
 use serde::Deserialize;
 use std::fmt;
 
@@ -172,22 +172,33 @@ impl ActuatorFile {
         let holding_torque = reader.needed("holding_torque", self.holding_torque);
         let rated_current = reader.needed("rated_current", self.rated_current);
         let microsteps = reader.needed("microsteps", self.microsteps.map(f64::from)) as u32;
-        let stepper = Stepper {
-            steps_per_turn: self.steps_per_turn.unwrap_or(Stepper::STEPS_PER_TURN),
+        let steps_per_turn = self.steps_per_turn.unwrap_or(Stepper::STEPS_PER_TURN);
+        let detent_torque = self.detent_torque.unwrap_or(0.0);
+        let torque_share = self.torque_share.unwrap_or(Stepper::TORQUE_SHARE);
+        let any = self.any(reader);
+        let motor = Motor {
+            steps_per_turn,
             microsteps,
+            gear_ratio: any.gear_ratio,
+            rotor_inertia: any.rotor_inertia,
             holding_torque,
             rated_current,
-            detent_torque: self.detent_torque.unwrap_or(0.0),
-            torque_share: self.torque_share.unwrap_or(Stepper::TORQUE_SHARE),
+            resistance: any.resistance,
+            inductance: any.inductance,
+            detent_torque,
+            encoder: false,
         };
         Actuator {
-            torque_constant: holding_torque / rated_current,
-            encoder_counts: stepper.steps_per_turn.saturating_mul(microsteps),
+            torque_constant: motor.torque_constant(),
+            encoder_counts: steps_per_turn.saturating_mul(microsteps),
             peak_current: rated_current,
             continuous_current: rated_current,
             thermal_time_constant: Stepper::HEATING,
-            stepper: Some(stepper),
-            ..self.any(reader)
+            stepper: Some(Stepper {
+                motor,
+                torque_share,
+            }),
+            ..any
         }
     }
 

@@ -6,20 +6,13 @@
 use super::{Actuator, Robot};
 use crate::source::{Key, Refusals, Source};
 use fivebar_kinematics::five_bar::Joint;
+use fivebar_plant::Stepper as Motor;
 
-/// What a stepper has besides the values that every motor has.
+/// A stepper, and how much of it a motion may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepper {
-    /// Full steps per turn.
-    pub steps_per_turn: u32,
-    /// Micro-steps per full step.
-    pub microsteps: u32,
-    /// Holding torque T at the motor, of both windings at the rated current [N·m].
-    pub holding_torque: f64,
-    /// Current I at the peak of a winding [A].
-    pub rated_current: f64,
-    /// Detent torque at the motor [N·m].
-    pub detent_torque: f64,
+    /// The motor with its gear and the driver's micro-steps.
+    pub motor: Motor,
     /// Share of the pull-out torque that a motion may take.
     pub torque_share: f64,
 }
@@ -40,21 +33,6 @@ impl Stepper {
     pub(super) const TORQUE_SHARE: f64 = 0.6;
     /// No model of heat guards a stepper, whose driver limits its current: the time of a NEMA 17 with its mount [s].
     pub(super) const HEATING: f64 = 600.0;
-
-    fn motor(&self, actuator: &Actuator) -> fivebar_plant::Stepper {
-        fivebar_plant::Stepper {
-            gear_ratio: actuator.gear_ratio,
-            rotor_inertia: actuator.rotor_inertia,
-            steps_per_turn: self.steps_per_turn,
-            microsteps: self.microsteps,
-            holding_torque: self.holding_torque,
-            rated_current: self.rated_current,
-            resistance: actuator.resistance,
-            inductance: actuator.inductance,
-            detent_torque: self.detent_torque,
-            encoder: false,
-        }
-    }
 }
 
 /// The robot has steppers, where brushed motors are needed.
@@ -67,9 +45,9 @@ pub struct SteppersOnly(pub String);
 
 impl Robot {
     /// Its steppers, for the simulated arm.
-    pub fn steppers(&self) -> Option<[fivebar_plant::Stepper; 2]> {
+    pub fn steppers(&self) -> Option<[Motor; 2]> {
         let [first, second] = self.actuators.as_ref()?;
-        Some([first.stepper?.motor(first), second.stepper?.motor(second)])
+        Some([first.stepper?.motor, second.stepper?.motor])
     }
 
     /// The inertias at the motors of an arm at home, rotors included [kg·m²]; none without steppers.
@@ -122,9 +100,9 @@ impl Actuator {
     /// torque; 1 of other motors.
     pub(super) fn pull_out_share(&self, voltage: f64, max_speed: f64) -> f64 {
         self.stepper.map_or(1.0, |stepper| {
-            let motor = stepper.motor(self);
+            let motor = &stepper.motor;
             let pull_out = motor.pull_out_torque(max_speed * self.gear_ratio, voltage);
-            stepper.torque_share * pull_out / stepper.holding_torque
+            stepper.torque_share * pull_out / motor.holding_torque
         })
     }
 }
@@ -139,33 +117,34 @@ pub(super) fn check(
     let Some(stepper) = &actuator.stepper else {
         return;
     };
+    let motor = &stepper.motor;
     let key = |name| Key::Of("actuator", index, name);
     let [least, greatest] = STEPS_PER_TURN;
-    if !(least..=greatest).contains(&stepper.steps_per_turn)
-        || !stepper.steps_per_turn.is_multiple_of(4)
+    if !(least..=greatest).contains(&motor.steps_per_turn)
+        || !motor.steps_per_turn.is_multiple_of(4)
     {
         let reason = format!(
             "must be a multiple of 4 from {least} to {greatest}, not {}: 200 of 1.8°, 400 of 0.9°",
-            stepper.steps_per_turn
+            motor.steps_per_turn
         );
         refusals.add(source.refuse(key("steps_per_turn"), reason));
     }
-    if !(1..=MICROSTEPS).contains(&stepper.microsteps) {
+    if !(1..=MICROSTEPS).contains(&motor.microsteps) {
         let reason = format!(
             "must be 1 to {MICROSTEPS} per full step, not {}",
-            stepper.microsteps
+            motor.microsteps
         );
         refusals.add(source.refuse(key("microsteps"), reason));
     }
     for (name, value) in [
-        ("holding_torque", stepper.holding_torque),
-        ("rated_current", stepper.rated_current),
+        ("holding_torque", motor.holding_torque),
+        ("rated_current", motor.rated_current),
         ("rotor_inertia", actuator.rotor_inertia),
     ] {
         refusals.check(super::value::positive(source, key(name), value));
     }
-    let detent = stepper.detent_torque;
-    let [least, greatest] = DETENT.map(|share| share * stepper.holding_torque);
+    let detent = motor.detent_torque;
+    let [least, greatest] = DETENT.map(|share| share * motor.holding_torque);
     if detent != 0.0 && !(least..=greatest).contains(&detent) {
         let reason = format!(
             "must be 0, or 1/500 to 1/2 of `holding_torque`, in N·m at the motor, not {detent:?} N·m"
@@ -202,6 +181,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
         let Some(stepper) = &actuator.stepper else {
             return;
         };
+        let motor = &stepper.motor;
         let key = |name| Key::Of("actuator", joint.index(), name);
         let max_speed = robot.limits.max_speed[joint];
         let turns = max_speed * actuator.gear_ratio.abs() / std::f64::consts::TAU;
@@ -214,28 +194,27 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             );
             refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
         }
-        if actuator.resistance * stepper.rated_current > voltage {
+        if actuator.resistance * motor.rated_current > voltage {
             let reason = format!(
                 "needs {:.1} V over `resistance`, and [supply] has {voltage:?} V",
-                actuator.resistance * stepper.rated_current
+                actuator.resistance * motor.rated_current
             );
             refusals.add(source.refuse(key("rated_current"), reason));
         }
-        let motor = stepper.motor(actuator);
         let at_speed = motor.pull_out_torque(max_speed * actuator.gear_ratio, voltage);
-        if at_speed < LEAST_SHARE * stepper.holding_torque {
+        if at_speed < LEAST_SHARE * motor.holding_torque {
             let reason = format!(
                 "of {joint} is too fast: at {:.0} rad/s the motor has {:.3} N·m of its {:?} N·m; lower it, or give \
                  the motor more voltage",
                 max_speed * actuator.gear_ratio.abs(),
                 at_speed,
-                stepper.holding_torque
+                motor.holding_torque
             );
             refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
             continue;
         }
         let share = actuator.pull_out_share(voltage, max_speed);
-        let most = share * stepper.holding_torque * actuator.gear_ratio.abs();
+        let most = share * motor.holding_torque * actuator.gear_ratio.abs();
         let weight = weight.map_or(0.0, |torques| torques[joint.index()].abs());
         if weight > most {
             let reason = format!(
@@ -246,7 +225,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             refusals.add(source.refuse(key("holding_torque"), reason));
         }
         let friction = actuator.coulomb_friction
-            + stepper.detent_torque * actuator.gear_ratio.abs()
+            + motor.detent_torque * actuator.gear_ratio.abs()
             + actuator.brake_torque;
         if weight > friction {
             let reason = format!(

@@ -26,11 +26,16 @@ fn notice(page: &mut Page, words: &str) {
 
 /// The positions of the tool where it was down until the job was done.
 fn drawn_to_the_end(page: &mut Page) -> Vec<[f64; 2]> {
+    drawn_with(page, |level| level == 1.0)
+}
+
+/// As [`drawn_to_the_end`], with a tool that is down at these levels.
+fn drawn_with(page: &mut Page, is_down: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
     let mut drawn = Vec::new();
     loop {
         let Some(message) = page.next() else { continue };
         if let Some(state) = message.get("state")
-            && number(&state["tool_level"]) > 0.99
+            && is_down(number(&state["tool_level"]))
         {
             drawn.push([0, 1].map(|axis| number(&state["tool"][axis])));
         }
@@ -253,7 +258,8 @@ fn a_job_waits_at_m0_with_the_tool_up_until_it_is_resumed_though_the_arm_was_jog
     let start = time(&waiting);
     page.state("the jog", |state| time(state) > start + 0.7);
     page.send(&json!("resume"));
-    let drawn = drawn_to_the_end(&mut page);
+    // The width of a servo's pulse is a whole number of counts.
+    let drawn = drawn_with(&mut page, |level| level > 0.99);
     let [start, end] = [0, 1].map(|axis| number(&paused["tool"][axis]));
     assert!(
         (drawn[0][0] - start).hypot(drawn[0][1] - end) < 5e-3,

@@ -73,11 +73,10 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
         )
         .or_zero(),
         Some(stepper) => {
-            let pairs = 0.25 * f64::from(stepper.steps_per_turn);
             Plausible::new(
                 key("rotor_inertia"),
                 (motor.rotor_inertia, "kg·m²"),
-                NATURAL.map(|hertz| pairs * stepper.holding_torque / (TAU * hertz).powi(2)),
+                NATURAL.map(|hertz| stepper.motor.inertia_at(hertz)),
                 "the rotor alone swings at 20 to 2000 Hz about a step of the `holding_torque`",
             )
         }
