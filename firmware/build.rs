@@ -4,7 +4,7 @@ use std::env;
 use std::path::PathBuf;
 
 fn main() {
-    println!("cargo:rerun-if-changed=memory.x");
+    println!("cargo:rerun-if-changed=src/board/stm32f405/memory.x");
     println!("cargo:rerun-if-changed=build.rs");
     // Its macros read it, unseen by Cargo.
     println!("cargo:rerun-if-env-changed=DEFMT_LOG");
@@ -14,7 +14,8 @@ fn main() {
     let Some(folder) = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from) else {
         panic!("cargo sets CARGO_MANIFEST_DIR");
     };
-    println!("cargo:rustc-link-search={}", folder.display());
+    let map = folder.join("src/board/stm32f405");
+    println!("cargo:rustc-link-search={}", map.display());
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     // cortex-m-rt's section starts are 4-byte aligned; a page-aligned image wastes flash.
     println!("cargo:rustc-link-arg-bins=--nmagic");

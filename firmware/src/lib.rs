@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 #![no_std]
 
-#[cfg(feature = "board")]
 pub mod board;
 pub mod controller;
 pub mod drivers;

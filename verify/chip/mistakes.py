@@ -56,7 +56,7 @@ MISTAKES = [
      "adc2.cr2().modify(|_, w| w.adon().enabled());", "",
      "self.adc2.jdr1()", "self.adc1.jdr2()",
      "bus_voltage: self.adc1.jdr2()", "bus_voltage: self.adc1.jdr3()"),
-    ("a push at the start of the fault handler", "bin/stm32f405.rs", '"movw r0, #0x0418",', '"push {{r4, lr}}",\n        "movw r0, #0x0418",'),
+    ("a push at the start of the fault handler", "board/stm32f405/image.rs", '"movw r0, #0x0418",', '"push {{r4, lr}}",\n        "movw r0, #0x0418",'),
     ("a wait shorter than the longest frame", "serial.rs", "const PATIENCE: u32 = 150_000;", "const PATIENCE: u32 = 30_000;"),
     ("the PLL's divider P", "clocks.rs", "w.pllp().div2()", "w.pllp().div4()"),
     ("the PLL's divider Q: 84 MHz for 48", "clocks.rs", ".pllq().bits(7)", ".pllq().bits(4)"),
@@ -105,9 +105,9 @@ MISTAKES = [
     ("the sending stream's flags not cleared", "serial.rs", "w.ctcif7().clear().chtif7().clear();", "w.chtif7().clear();"),
     ("the idle line's flag not cleared", "serial.rs", "                    let _ = usart.dr().read();\n", ""),
     ("no cycle counter", "cycles.rs", "        dwt.enable_cycle_counter();\n", ""),
-    ("used and unused stack exchanged", "stack.rs", "size - (painted * size_of::<u32>()) as u32", "(painted * size_of::<u32>()) as u32"),
+    ("used and unused stack exchanged", "board/stack.rs", "size - (painted * size_of::<u32>()) as u32", "(painted * size_of::<u32>()) as u32"),
     ("settings of another tick rate used", "services.rs", "bounded.and_then(|()| stored.check())", "bounded.map_or_else(|_| stored.check(), |()| stored.check())"),
-    ("priorities of tick and serial line exchanged", "bin/stm32f405.rs", "binds = ADC, priority = 3", "binds = ADC, priority = 2", "binds = SysTick, priority = 3", "binds = SysTick, priority = 2", "binds = USART1, priority = 2", "binds = USART1, priority = 3"),
+    ("priorities of tick and serial line exchanged", "board/stm32f405/image.rs", "binds = ADC, priority = 3", "binds = ADC, priority = 2", "binds = SysTick, priority = 3", "binds = SysTick, priority = 2", "binds = USART1, priority = 2", "binds = USART1, priority = 3"),
     ("joint 1's index input without a pull-up", "pins.rs", "c.pc8.into_pull_up_input()", "c.pc8.into_floating_input()"),
     ("joint 4's index input without a pull-up", "pins.rs", "c.pc9.into_pull_up_input()", "c.pc9.into_floating_input()"),
     ("the index of joint 1 for both", "drivers/inputs.rs", "self.index4.is_high().unwrap_or(true)", "self.index1.is_high().unwrap_or(true)"),
@@ -134,7 +134,7 @@ MISTAKES = [
 
 
 def path_of(file):
-    return ("firmware/src/" if "/" in file else "firmware/src/board/") + file
+    return ("firmware/src/" if "/" in file else "firmware/src/board/stm32f405/") + file
 
 
 def main():

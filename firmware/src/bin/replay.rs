@@ -14,10 +14,10 @@
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln, nr, syscall};
-use fivebar_firmware::board::instructions::InstructionCounter;
+use fivebar_firmware::board::emulated::instructions::InstructionCounter;
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, MAX_FRAME, Reset};
-use fivebar_firmware::session::{self, Session};
+use fivebar_firmware::session::Session;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Controller, SensorSample, Settings};
 use heapless::Vec;
@@ -55,7 +55,7 @@ struct Replay {
     counter: InstructionCounter,
 }
 
-impl session::Board for Replay {
+impl fivebar_firmware::board::Board for Replay {
     fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
         Err(StorageError::Flash)
     }

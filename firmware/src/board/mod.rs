@@ -1,27 +1,103 @@
-//! The STM32F405RG: everything that accesses registers. The rest of the crate does not depend on
-//! the board.
+//! What a board is.
 //!
-//! Each file holds one driver; `docs/use/wiring.md` lists the pins. Every wait has a bound. None of
-//! this has run on silicon yet: `docs/use/bring-up.md` says what the emulator has shown.
+//! A board is a folder here. It holds the drivers of its registers and its program, `image.rs`, which
+//!
+//! - gives the controller a [`SensorSample`] at each tick, and its [`ActuatorCommand`] to the bridges or, where
+//!   the host steps the ticks, to the host;
+//! - carries bytes to and from the [session](crate::session), and implements [`Board`] for it;
+//! - keeps the controller behind a lock, as [`SharedController`]; on a core with RTIC that is `Exchanged`;
+//! - switches the bridges off in a panic, a fault of the processor and a hang, and stores the reason over the reset.
+//!
+//! | folder | a tick comes from | samples and commands | settings |
+//! |---|---|---|---|
+//! | `stm32f405` | the PWM timer, 10 kHz | timers, converters, bridges | in flash |
+//! | `emulated` | the host | frames | none |
+//!
+//! What a host has to know of a board stands where the host reads it: its name in
+//! [`Identity`](crate::protocol::Identity), its bounds in [`BoardLimits`].
 
-pub mod analog;
-pub mod brown_out;
-pub mod clocks;
-pub mod crystal;
-pub mod cycles;
-pub mod encoders;
-pub mod instructions;
-pub mod log;
-pub mod outputs;
-pub mod pins;
-pub mod post_mortem;
-pub mod pwm;
-pub mod self_test;
-pub mod sensors;
-pub mod serial;
-pub mod services;
-pub mod shared_controller;
+#[cfg(feature = "board")]
+pub mod emulated;
+#[cfg(feature = "board")]
+pub mod exchanged;
+#[cfg(feature = "board")]
 pub mod stack;
-pub mod storage;
-pub mod tool;
-pub mod watchdog;
+#[cfg(feature = "board")]
+pub mod stm32f405;
+
+use crate::controller::Controller;
+use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse};
+use crate::recorder::Recorder;
+use crate::safety::State;
+use crate::settings::{BoardLimits, CheckedSettings};
+use crate::storage::StorageError;
+use crate::{ActuatorCommand, SensorSample, Settings};
+use rtic_core::Mutex;
+
+/// What the session needs from its board.
+pub trait Board {
+    /// Stores settings for the next start. They are those in use, so they were checked.
+    ///
+    /// # Errors
+    /// Why they are not stored.
+    fn save(&mut self, settings: &Settings) -> Result<(), StorageError>;
+
+    /// Takes from new settings what the board's own parts need. Called with the bridges off.
+    fn use_settings(&mut self, _settings: &CheckedSettings) {}
+
+    /// The board's bounds of the settings; `None` where the host steps the ticks.
+    fn limits(&self) -> Option<BoardLimits> {
+        None
+    }
+
+    /// Runs one tick on a sample from the host. Returns the actuator command and the number of
+    /// instructions, 0 where they are not counted. `None` on a board with sensors of its own.
+    fn tick(
+        &mut self,
+        controller: &mut Controller,
+        sample: &SensorSample,
+    ) -> Option<(ActuatorCommand, u32)>;
+
+    /// How much of the stack has been used; `None` where that is not measured.
+    fn stack(&self) -> Option<StackUse> {
+        None
+    }
+
+    /// The log at the tick rate; `None` on a board without one.
+    fn recorder(&self) -> Option<Recorder<'_>> {
+        None
+    }
+
+    /// The sensor sample of the last tick; `None` where samples come from the host.
+    fn sample(&self) -> Option<SensorSample> {
+        None
+    }
+
+    /// Does a step of the board's test after the tick of this number; `None` where it reports nothing.
+    ///
+    /// # Errors
+    /// Why it is not done: a board without a test of its own does none.
+    fn test(&mut self, _test: BoardTest, _tick: u32) -> Result<Option<BoardReport>, CommandError> {
+        Err(CommandError::Unsupported)
+    }
+}
+
+/// The controller as the session shares it with the tick.
+pub trait SharedController: Mutex<T = Controller> {
+    /// Puts a new controller for these settings, which must be homed, in the place of a stopped one. It keeps
+    /// the motors' heat.
+    ///
+    /// # Errors
+    /// The state of a controller that is not stopped; it stays.
+    fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State>;
+}
+
+/// A controller that is not shared.
+impl SharedController for Controller {
+    fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State> {
+        let mut new = Self::new(settings);
+        self.hand_over(&mut new)?;
+        *self = new;
+        Ok(())
+    }
+}

@@ -7,17 +7,16 @@
 mod sampler;
 mod start;
 
+use crate::board::{Board, SharedController};
 use crate::controller::{self, Controller};
 use crate::planner::Planner;
 use crate::protocol::{
-    BoardReport, BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage,
-    Identity, Reply, Sequence, SequenceCheck, StackUse, StepResult, Telemetry, VERSION, encode,
+    BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply,
+    Sequence, SequenceCheck, StepResult, Telemetry, VERSION, encode,
 };
-use crate::recorder::Recorder;
 use crate::safety::{Fault, Response, State};
-use crate::settings::{BoardLimits, CheckedSettings};
-use crate::storage::StorageError;
-use crate::{ActuatorCommand, Request, SensorSample, Settings};
+use crate::settings::CheckedSettings;
+use crate::{Request, Settings};
 use core::mem::MaybeUninit;
 use rtic_core::Mutex;
 use sampler::Sampler;
@@ -33,74 +32,6 @@ pub fn place(
     are_stored: bool,
 ) -> &'static mut Session {
     place.write(Session::new(identity, settings, are_stored))
-}
-
-/// What the session needs from its board.
-pub trait Board {
-    /// Stores settings for the next start. They are those in use, so they were checked.
-    ///
-    /// # Errors
-    /// Why they are not stored.
-    fn save(&mut self, settings: &Settings) -> Result<(), StorageError>;
-
-    /// Takes from new settings what the board's own parts need. Called with the bridges off.
-    fn use_settings(&mut self, _settings: &CheckedSettings) {}
-
-    /// The board's bounds of the settings; `None` where the host steps the ticks.
-    fn limits(&self) -> Option<BoardLimits> {
-        None
-    }
-
-    /// Runs one tick on a sample from the host. Returns the actuator command and the number of
-    /// instructions, 0 where they are not counted. `None` on a board with sensors of its own.
-    fn tick(
-        &mut self,
-        controller: &mut Controller,
-        sample: &SensorSample,
-    ) -> Option<(ActuatorCommand, u32)>;
-
-    /// How much of the stack has been used; `None` where that is not measured.
-    fn stack(&self) -> Option<StackUse> {
-        None
-    }
-
-    /// The log at the tick rate; `None` on a board without one.
-    fn recorder(&self) -> Option<Recorder<'_>> {
-        None
-    }
-
-    /// The sensor sample of the last tick; `None` where samples come from the host.
-    fn sample(&self) -> Option<SensorSample> {
-        None
-    }
-
-    /// Does a step of the board's test after the tick of this number; `None` where it reports nothing.
-    ///
-    /// # Errors
-    /// Why it is not done: a board without a test of its own does none.
-    fn test(&mut self, _test: BoardTest, _tick: u32) -> Result<Option<BoardReport>, CommandError> {
-        Err(CommandError::Unsupported)
-    }
-}
-
-/// The controller as the session shares it with the tick.
-pub trait SharedController: Mutex<T = Controller> {
-    /// Puts a new controller for these settings, which must be homed, in the place of a stopped one. It keeps
-    /// the motors' heat.
-    ///
-    /// # Errors
-    /// The state of a controller that is not stopped; it stays.
-    fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State>;
-}
-
-/// A controller that is not shared.
-impl SharedController for Controller {
-    fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State> {
-        let mut new = Self::new(settings);
-        self.hand_over(&mut new)?;
-        *self = new;
-        Ok(())
-    }
 }
 
 /// The state of the session with one host.

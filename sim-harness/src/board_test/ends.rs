@@ -80,12 +80,12 @@ pub(super) fn watchdog<L: Read + Write>(
     let watchdog = Limit::new(
         "watchdog",
         "bites 34 to 94 ms after a hang",
-        "1600 cycles of an oscillator of 17 to 47 kHz (firmware/src/board/watchdog.rs)",
+        "1600 cycles of an oscillator of 17 to 47 kHz (firmware/src/board/stm32f405/watchdog.rs)",
     );
     let cause = Limit::new(
         "reset cause",
         "the watchdog",
-        "RCC_CSR after the reset (firmware/src/board/post_mortem.rs)",
+        "RCC_CSR after the reset (firmware/src/board/stm32f405/post_mortem.rs)",
     );
     let power = "switch the board off and on";
     let (bitten, reset, facts) = match bench.hang() {
@@ -94,7 +94,7 @@ pub(super) fn watchdog<L: Read + Write>(
                 "no reset",
                 Verdict::failed(
                     "the watchdog does not bite: the board hangs",
-                    "compare IWDG with firmware/src/board/watchdog.rs; then switch the board off and on",
+                    "compare IWDG with firmware/src/board/stm32f405/watchdog.rs; then switch the board off and on",
                 ),
             ),
             cause.not_seen("the board hangs", power),
@@ -120,7 +120,7 @@ pub(super) fn watchdog<L: Read + Write>(
                         WATCHDOG_COUNTS / seconds / 1e3
                     );
                     let why = format!("it bites after {:.1} ms", 1e3 * seconds);
-                    let remedy = "compare IWDG with firmware/src/board/watchdog.rs";
+                    let remedy = "compare IWDG with firmware/src/board/stm32f405/watchdog.rs";
                     watchdog.row(measured, Verdict::of(WATCHDOG.contains(&seconds), why, remedy))
                 }
                 None => watchdog.row(
@@ -144,7 +144,7 @@ fn brown_out(facts: &BoardFacts) -> Row {
     let limit = Limit::new(
         "brown-out",
         "level 3: reset below 2.7 V",
-        "168 MHz with five wait states needs 2.7 V (firmware/src/board/brown_out.rs)",
+        "168 MHz with five wait states needs 2.7 V (firmware/src/board/stm32f405/brown_out.rs)",
     );
     let measured = match facts.brown_out {
         0 => "level 3",

@@ -200,7 +200,7 @@ pub(super) fn saving<L: Read + Write>(
     let limit = Limit::new(
         "response while saving",
         format!("{PERIOD} cycles or less, stopped"),
-        "a word takes 16 µs, in which the core waits (firmware/src/board/storage.rs)",
+        "a word takes 16 µs, in which the core waits (firmware/src/board/stm32f405/storage.rs)",
     );
     let telemetry = HostCommand::Telemetry { every: TELEMETRY };
     let _ = bench.client.command(telemetry)?;

@@ -6,7 +6,7 @@ use crate::link::LinkError;
 use fivebar_firmware::protocol::BoardFacts;
 use std::io::{Read, Write};
 
-/// A right crystal, as the internal oscillator measures it [Hz]: `RIGHT` of firmware/src/board/crystal.rs.
+/// A right crystal, as the internal oscillator measures it [Hz]: `RIGHT` of firmware/src/board/stm32f405/crystal.rs.
 const CRYSTAL: std::ops::RangeInclusive<u32> = 7_600_000..=8_750_000;
 /// The PLL's multiplier: 8 MHz to 168 MHz.
 const MULTIPLIER: f64 = 21.0;
@@ -26,7 +26,7 @@ pub(super) fn crystal(facts: &BoardFacts) -> Row {
     let limit = Limit::new(
         "crystal",
         "7.60 to 8.75 MHz, measured by the internal oscillator",
-        "the internal oscillator has −8 to +4.5 % (firmware/src/board/crystal.rs)",
+        "the internal oscillator has −8 to +4.5 % (firmware/src/board/stm32f405/crystal.rs)",
     );
     let Some(frequency) = facts.crystal else {
         let why = "the crystal does not start";
@@ -59,7 +59,7 @@ pub(super) fn accelerator(facts: &BoardFacts) -> Row {
     let verdict = Verdict::of(
         bits == ACCELERATED,
         "the flash is read without its accelerator, so the interrupt takes longer",
-        "compare FLASH_ACR after the start with firmware/src/board/clocks.rs; a chip that only resembles an \
+        "compare FLASH_ACR after the start with firmware/src/board/stm32f405/clocks.rs; a chip that only resembles an \
          STM32F405 may have no accelerator",
     );
     limit.row(measured, verdict)
@@ -69,7 +69,7 @@ pub(super) fn size(facts: &BoardFacts) -> Row {
     let limit = Limit::new(
         "flash size",
         "1024 KiB or more",
-        "the settings lie in sectors 8 to 11 (firmware/src/board/storage.rs)",
+        "the settings lie in sectors 8 to 11 (firmware/src/board/stm32f405/storage.rs)",
     );
     let why = "the chip has no sectors for the settings";
     let verdict = Verdict::of(
@@ -85,7 +85,7 @@ pub(super) fn tick_period<L: Read + Write>(bench: &mut Bench<'_, L>) -> Result<R
     let limit = Limit::new(
         "tick period",
         "16,800 cycles of the core ± 0.1 %",
-        "168 MHz / 10 kHz (firmware/src/board/pwm.rs)",
+        "168 MHz / 10 kHz (firmware/src/board/stm32f405/pwm.rs)",
     );
     let Some(before) = bench.facts()?.filter(runs_from_crystal) else {
         return Ok(limit.not_seen("the core runs from the internal oscillator", FIT_CRYSTAL));
@@ -103,7 +103,7 @@ pub(super) fn tick_period<L: Read + Write>(bench: &mut Bench<'_, L>) -> Result<R
             "the PWM's timer starts a tick every {period:.0} cycles, at {:.2} kHz",
             168e3 / period
         ),
-        "compare the timer's clock and period with firmware/src/board/pwm.rs",
+        "compare the timer's clock and period with firmware/src/board/stm32f405/pwm.rs",
     );
     Ok(limit.row(format!("{period:.1} cycles"), verdict))
 }

@@ -1,8 +1,9 @@
 //! A controller in this process behind a stream of bytes, like a board on a serial line.
 
+use fivebar_firmware::board::Board;
 use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, Reset};
 use fivebar_firmware::recorder::{Log, Recorder};
-use fivebar_firmware::session::{Board, Session, fault_at_start};
+use fivebar_firmware::session::{Session, fault_at_start};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Controller, Planner, SensorSample, Settings};

@@ -35,8 +35,8 @@ fn section(heading: &str) -> &'static str {
 #[test]
 fn the_wiring_names_every_pin_that_the_board_uses() {
     let code = concat!(
-        include_str!("../../../firmware/src/board/pins.rs"),
-        include_str!("../../../firmware/src/board/pwm.rs"),
+        include_str!("../../../firmware/src/board/stm32f405/pins.rs"),
+        include_str!("../../../firmware/src/board/stm32f405/pwm.rs"),
     );
     let used: BTreeSet<_> = pins(code);
     assert!(used.len() >= 21, "{used:?}");

@@ -21,7 +21,7 @@ const BELOW: [&str; 2] = ["stm32f405::app::converse", "USART1"];
 /// the tick where there is no crystal, and then the converter does not.
 const ABOVE: [&str; 2] = ["TIM1_BRK_TIM9", "NonMaskableInt"];
 /// Cycles from the trigger to the interrupt: 70 of the converter's clock, which is an eighth of the core's
-/// (3 to begin, 40 for a current and 27 for the bus voltage, `firmware/src/board/analog.rs`).
+/// (3 to begin, 40 for a current and 27 for the bus voltage, `firmware/src/board/stm32f405/analog.rs`).
 const CONVERSION: u64 = 8 * (3 + 28 + 12 + 15 + 12);
 
 /// Cycles of a period: 168 MHz over 10 kHz.

@@ -19,7 +19,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use fivebar_firmware::board::instructions::InstructionCounter;
+use fivebar_firmware::board::emulated::instructions::InstructionCounter;
 
 /// Repetitions of a call: they divide the counter's step of 6 instructions.
 const REPETITIONS: u32 = 84;

@@ -6,7 +6,7 @@
 //! stops the arm, and a tool beside C.
 
 use core::hint::black_box;
-use fivebar_firmware::board::instructions::InstructionCounter;
+use fivebar_firmware::board::emulated::instructions::InstructionCounter;
 use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::planner::Planner;
 use fivebar_firmware::safety::State;

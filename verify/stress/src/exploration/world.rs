@@ -6,6 +6,7 @@ use super::history::{Broken, History};
 use super::view::{Outside, View};
 use crate::rules::{Rules, Violation};
 use crate::way_out::Machine;
+use fivebar_firmware::board::Board;
 use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::drivers::WAKE_UP_TIME;
 use fivebar_firmware::protocol::{
@@ -13,7 +14,7 @@ use fivebar_firmware::protocol::{
     Reply, Reset, Sequence, VERSION,
 };
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::session::{self, Board};
+use fivebar_firmware::session;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Planner, SensorSample, Settings, Status};
 

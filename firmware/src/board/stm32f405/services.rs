@@ -4,13 +4,13 @@
 use super::cycles::TickTimes;
 use super::post_mortem;
 use super::self_test::Started;
-use super::stack;
 use super::storage::SettingsFlash;
 use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
+use crate::board::Board;
+use crate::board::stack;
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan};
 use crate::recorder::{LogControl, LogWords, Recorder};
-use crate::session::Board;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
 use crate::{ActuatorCommand, Controller, SensorSample, Settings};

@@ -18,9 +18,10 @@ use cortex_m_rt::{ExceptionFrame, exception};
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use core::mem::MaybeUninit;
-    use fivebar_firmware::board::instructions::InstructionCounter;
-    use fivebar_firmware::board::shared_controller::{Exchanged, Place};
-    use fivebar_firmware::board::{clocks, serial, stack};
+    use fivebar_firmware::board::emulated::instructions::InstructionCounter;
+    use fivebar_firmware::board::exchanged::{Exchanged, Place};
+    use fivebar_firmware::board::stack;
+    use fivebar_firmware::board::stm32f405::{clocks, serial};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
     use fivebar_firmware::recorder::{Log, Recorder};
@@ -55,7 +56,7 @@ mod app {
         counter: InstructionCounter,
     }
 
-    impl session::Board for Lockstep {
+    impl fivebar_firmware::board::Board for Lockstep {
         fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
             Err(StorageError::Flash)
         }
