@@ -107,6 +107,15 @@ pub(crate) struct CrossingSample {
 }
 
 impl Crossing {
+    /// The share of the feedback at this tick: by the plan's time, because a count of an encoder changes the
+    /// sine by hundredths there.
+    #[inline(always)]
+    fn feedback(&self) -> f32 {
+        let away = self.ticks as f32 - self.times.crosses_at as f32;
+        let feedback = LEAST_FEEDBACK + self.hardening * Scalar::abs(away);
+        if feedback > 1.0 { 1.0 } else { feedback }
+    }
+
     /// No crossing.
     pub(super) fn none() -> Self {
         Self {
@@ -149,6 +158,16 @@ impl PlanPlace {
             alpha: alpha.into(),
         }
     }
+}
+
+/// The share of computed torque at a sine above [`COMPUTED`]: smooth at both ends, so that the torque is, too.
+#[inline(always)]
+fn computed_share(sine: f32) -> f32 {
+    let mut share = (sine - COMPUTED) * (1.0 / (OUTSIDE - COMPUTED));
+    if share > 1.0 {
+        share = 1.0;
+    }
+    share * share * (3.0 - 2.0 * share)
 }
 
 /// Angles [rad], velocities [rad/s] and accelerations [rad/s²] at a share of a piece, of which `per_piece`
@@ -339,23 +358,13 @@ impl<D: Drives> ArmController<D> {
 
         // The cranks alone are held, with a constant inertia.
         let ([planned1, planned4], [inertia1, inertia4]) = (planned, model.nominal_inertia);
-        // By the plan's time, because a count of an encoder changes the sine by hundredths there.
-        let away = crossing.ticks as f32 - crossing.times.crosses_at as f32;
-        let mut feedback = LEAST_FEEDBACK + crossing.hardening * Scalar::abs(away);
-        if feedback > 1.0 {
-            feedback = 1.0;
-        }
+        let feedback = crossing.feedback();
         let mut torque1 = planned1 + feedback * (inertia1 * feedback1);
         let mut torque4 = planned4 + feedback * (inertia4 * feedback4);
         if let (true, Some(links)) = (sine > COMPUTED, &links) {
             let alpha = [alpha1d + feedback1, alpha4d + feedback4];
             let [computed1, computed4] = model.equations.torques(links, [omega1, omega4], alpha);
-            let mut share = (sine - COMPUTED) * (1.0 / (OUTSIDE - COMPUTED));
-            if share > 1.0 {
-                share = 1.0;
-            }
-            // Smooth at both ends, so that the torque is, too.
-            share = share * share * (3.0 - 2.0 * share);
+            let share = computed_share(sine);
             torque1 += share * (computed1 - torque1);
             torque4 += share * (computed4 - torque4);
         }

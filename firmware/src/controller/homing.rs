@@ -48,12 +48,15 @@ impl<D: Drives> ArmController<D> {
             return Err(Fault::CommandTimeout);
         }
         let moves = self.brake.lets_move();
-        let model = &self.model;
+        let Model {
+            axes: [axis1, axis4],
+            nominal_inertia: [inertia1, inertia4],
+            homing_configs: [config1, config4],
+            period,
+            ..
+        } = &self.model;
         let [joint1, joint4] = &self.joints;
-        let [axis1, axis4] = &model.axes;
-        let [inertia1, inertia4] = model.nominal_inertia;
         let [state1, state4] = &mut self.homing;
-        let [config1, config4] = &model.homing_configs;
         let ([closed1, closed4], [index1, index4]) = (sample.home, sample.index);
         let [current1, current4] = self.drives.report().current;
         let read = |closed, index, current| {
@@ -63,24 +66,20 @@ impl<D: Drives> ArmController<D> {
                 current,
             })
         };
-        let (error1, torque1) = homing_step(
-            model,
-            joint1,
-            axis1,
-            inertia1,
-            state1,
-            config1,
-            read(closed1, index1, current1),
-        )?;
-        let (error4, torque4) = homing_step(
-            model,
-            joint4,
-            axis4,
-            inertia4,
-            state4,
-            config4,
-            read(closed4, index4, current4),
-        )?;
+        let searched1 = SearchedJoint {
+            joint: joint1,
+            axis: axis1,
+            inertia: *inertia1,
+            config: config1,
+        };
+        let searched4 = SearchedJoint {
+            joint: joint4,
+            axis: axis4,
+            inertia: *inertia4,
+            config: config4,
+        };
+        let (error1, torque1) = searched1.step(*period, state1, read(closed1, index1, current1))?;
+        let (error4, torque4) = searched4.step(*period, state4, read(closed4, index4, current4))?;
         if let Needs::Motion = D::NEEDS {
             let [state1, state4] = &self.homing;
             self.setpoint = Setpoint {
@@ -172,38 +171,52 @@ struct Landmark {
     current: f32,
 }
 
-/// One joint's tick of the search, with what shows its home angle: its error [rad] and its
-/// torque [N·m]. Without it the joint comes to rest.
-#[inline(always)]
-fn homing_step(
-    model: &Model,
-    joint: &Joint,
-    axis: &AxisModel,
+/// A joint that looks for its home angle.
+struct SearchedJoint<'a> {
+    joint: &'a Joint,
+    axis: &'a AxisModel,
+    /// About which it is driven [kg·m²].
     inertia: f32,
-    state: &mut HomingState,
-    config: &HomingConfig,
-    read: Option<Landmark>,
-) -> Result<(f32, f32), Fault> {
-    if let Some(read) = read {
-        let closed = match &config.stop {
-            None if state.seeks_index() => read.index,
-            None => read.closed,
-            Some(stop) => stop.is_felt(read.current, joint.velocity()),
-        };
-        state
-            .step(config, closed, joint.angle(), joint.counts(), model.period)
-            .map_err(Fault::from)?;
-    } else {
-        state.advance(0.0, config, model.period);
+    config: &'a HomingConfig,
+}
+
+impl SearchedJoint<'_> {
+    /// One tick of the search, with what shows the home angle: the joint's error [rad] and its torque [N·m].
+    /// Without it the joint comes to rest. `period` is that of the tick [s].
+    #[inline(always)]
+    fn step(
+        &self,
+        period: f32,
+        state: &mut HomingState,
+        read: Option<Landmark>,
+    ) -> Result<(f32, f32), Fault> {
+        let Self {
+            joint,
+            axis,
+            inertia,
+            config,
+        } = self;
+        if let Some(read) = read {
+            let closed = match &config.stop {
+                None if state.seeks_index() => read.index,
+                None => read.closed,
+                Some(stop) => stop.is_felt(read.current, joint.velocity()),
+            };
+            state
+                .step(config, closed, joint.angle(), joint.counts(), period)
+                .map_err(Fault::from)?;
+        } else {
+            state.advance(0.0, config, period);
+        }
+        let error = state.angle - joint.angle();
+        let rate = state.rate - joint.velocity();
+        let alpha = axis
+            .servo
+            .position_loop
+            .acceleration(joint.integral, 0.0, error, rate);
+        let demanded = inertia * alpha + axis.friction.torque(state.rate);
+        Ok((error, limited(demanded, axis.homing_torque)))
     }
-    let error = state.angle - joint.angle();
-    let rate = state.rate - joint.velocity();
-    let alpha = axis
-        .servo
-        .position_loop
-        .acceleration(joint.integral, 0.0, error, rate);
-    let demanded = inertia * alpha + axis.friction.torque(state.rate);
-    Ok((error, limited(demanded, axis.homing_torque)))
 }
 
 #[cfg(test)]

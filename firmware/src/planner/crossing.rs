@@ -76,6 +76,34 @@ impl Gap {
     }
 }
 
+/// What is known of a gap's ends from the places beside it: it lies between the last place before it and the
+/// first one behind it.
+#[derive(Default)]
+struct GapEnds {
+    /// The torques of the last place [N·m].
+    last: Vector2<f32>,
+    /// How many places behind the gap were passed, up to 2.
+    behind: u8,
+}
+
+impl GapEnds {
+    /// Notes the torques [N·m] of a place at its time [s], before the gap or behind it.
+    fn pass(&mut self, gap: &mut Gap, is_before: bool, time: f32, torque: Vector2<f32>) {
+        let Gap {
+            time: [begin, end],
+            torque: [torque0, torque1],
+            change: [change0, change1],
+        } = gap;
+        match self.behind {
+            _ if is_before => (*begin, *change0, *torque0) = (time, torque - self.last, torque),
+            0 => (*end, *torque1, self.behind) = (time, torque, 1),
+            1 => (*change1, self.behind) = (torque - *torque1, 2),
+            _ => {}
+        }
+        self.last = torque;
+    }
+}
+
 impl Planner {
     /// Accepts a crossing, as [`Planner::push`] does.
     pub(super) fn push_crossing(
@@ -127,11 +155,7 @@ impl Planner {
         if !self.crossing_allowed {
             return Err(refuse(MoveErrorKind::CrossingNotAllowed));
         }
-        let CrossingMove {
-            duration,
-            crosses_at,
-            ..
-        } = *plan;
+        let (duration, crosses_at) = (plan.duration, plan.crosses_at);
         if !(plan.is_finite() && duration > 0.0) {
             return Err(refuse(MoveErrorKind::Number));
         }
@@ -154,8 +178,7 @@ impl Planner {
             },
         };
         let mut last = 0.0;
-        let mut before = Vector2::zeros();
-        let mut ends = 0;
+        let mut ends = GapEnds::default();
         let mut evidence = Vector2::zeros();
         for place in 0..=PLACES {
             let time = step * f32::from(place);
@@ -169,8 +192,8 @@ impl Planner {
             evidence += place_there.evidence;
             let (size, moving) = (Scalar::abs(sine), 0 < place && place < PLACES);
             // Beside its time, the singularity has either side of it.
-            let kept = (sine > 0.0) == (time < crosses_at) || Scalar::abs(time - crosses_at) < step;
-            if !kept {
+            let beside = Scalar::abs(time - crosses_at) < step;
+            if (sine > 0.0) != (time < crosses_at) && !beside {
                 return Err(no_crossing);
             }
             if size < self.envelope.workspace.margin && !moving {
@@ -189,28 +212,15 @@ impl Planner {
             if size < ZONE {
                 checked.inside += step;
             }
-            // The gap lies between the last place before it and the first one behind it.
-            let Gap {
-                time: [begin, end],
-                torque: [torque0, torque1],
-                change: [change0, change1],
-            } = &mut checked.gap;
             if size >= GAP {
-                if time < crosses_at {
-                    (*begin, *change0, *torque0) = (time, torque - before, torque);
-                } else if ends == 0 {
-                    (*end, *torque1, ends) = (time, torque, 1);
-                } else if ends == 1 {
-                    (*change1, ends) = (torque - *torque1, 2);
-                }
-                before = torque;
+                ends.pass(&mut checked.gap, time < crosses_at, time, torque);
             }
         }
         let Gap { time, change, .. } = &mut checked.gap;
         let [begin, end] = *time;
         // From the time of a place to that of the gap.
         *change = change.map(|change| change * ((end - begin) / step));
-        if ends < 2 || begin == 0.0 {
+        if ends.behind < 2 || begin == 0.0 {
             return Err(no_crossing);
         }
         if !checked.gap.is_closed() {

@@ -121,6 +121,10 @@ impl State {
     }
 
     /// The state after `event`; `None` if this state does not accept the event, and stays.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "a table: one arm for each pair of state and event"
+    )]
     #[inline]
     pub const fn after(self, event: Event) -> Option<Self> {
         match (self, event) {

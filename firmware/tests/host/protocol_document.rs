@@ -64,6 +64,7 @@ fn reply(sequence: u16, reply: Reply) -> ControllerMessage {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn every_example_is_what_the_library_writes_and_reads() {
     let commands = [
         (

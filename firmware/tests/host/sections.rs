@@ -52,6 +52,7 @@ fn axis() -> impl Strategy<Value = AxisSettings> {
 }
 
 /// Any section.
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 pub(crate) fn section() -> impl Strategy<Value = Section> {
     prop_oneof![
         prop::array::uniform5(number()).prop_map(Section::Lengths),

@@ -206,6 +206,7 @@ fn lines_arcs_dwells_and_joint_moves_follow_each_other() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn a_move_that_cannot_be_done_is_refused_with_reason_and_point() {
     let mut rig = Rig::armed(&settings());
     let [x, y] = rig.tool_position();

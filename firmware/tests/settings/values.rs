@@ -42,6 +42,7 @@ fn the_longest_stored_copy_fits_its_buffer() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn each_field_of_an_axis_is_checked() {
     let cases: [(Change, AxisField); 29] = [
         (|s| s.axes[1].gear_ratio = 0.0, AxisField::GearRatio),

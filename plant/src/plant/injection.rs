@@ -39,10 +39,8 @@ impl Plant {
                 self.set_encoder(joint, EncoderDefect::Gain(self.counts(joint), gain));
             }
             EncoderLate { joint, ticks } => {
-                self.set_encoder(
-                    joint,
-                    EncoderDefect::Late(Late::new(self.counts(joint), ticks)),
-                );
+                let late = Late::new(self.counts(joint), ticks);
+                self.set_encoder(joint, EncoderDefect::Late(late));
             }
             EncoderChannelStuck { joint } => {
                 self.set_encoder(joint, EncoderDefect::ChannelStuck(self.counts(joint)));
@@ -68,10 +66,8 @@ impl Plant {
                 self.set_current(joint, CurrentDefect::Gain(zero, gain));
             }
             CurrentStuck { joint, amperes } => {
-                self.set_current(
-                    joint,
-                    CurrentDefect::Stuck(self.current_code(joint, amperes)),
-                );
+                let code = self.current_code(joint, amperes);
+                self.set_current(joint, CurrentDefect::Stuck(code));
             }
             CurrentLate { joint, ticks } => {
                 let present = self.current_code(joint, self.state.current[joint]);

@@ -84,6 +84,7 @@ impl<'a> Host<'a> {
     }
 
     /// Brings the arm into the state in which the fault comes, then goes on to the job.
+    #[expect(clippy::too_many_lines, reason = "a list: one arm for each state")]
     fn script(&mut self) -> Result<(), Over> {
         self.wait(0.01)?;
         match self.trial.during {

@@ -54,6 +54,16 @@ const ALWAYS: u8 = 14;
 
 type Place = (u32, Option<Slot>);
 
+/// Whether a condition may hold and may not, behind an instruction in a slot.
+fn outcomes(condition: u8, slot: Option<Slot>) -> Vec<bool> {
+    match slot {
+        _ if condition == ALWAYS => vec![true],
+        Some(slot) if slot.condition == condition => vec![slot.holds],
+        Some(slot) if slot.condition == condition ^ 1 => vec![!slot.holds],
+        _ => vec![true, false],
+    }
+}
+
 /// A function's instructions; the first node is its entry.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
@@ -226,6 +236,7 @@ impl Builder<'_> {
                 None => self.defect(address, Fault::IndirectCall),
                 Some(targets) => self.nodes[index].calls = targets,
             },
+            Flow::Trap => next.clear(),
             Flow::Return => {
                 next.clear();
                 self.nodes[index].leaves = true;
@@ -250,29 +261,20 @@ impl Builder<'_> {
                 next.clear();
                 self.defect(address, Fault::ComputedJump);
             }
-            Flow::Trap => next.clear(),
             Flow::IfThen {
                 slots,
                 senses,
                 condition,
             } => {
-                let holds = match slot {
-                    _ if condition == ALWAYS => vec![true],
-                    Some(slot) if slot.condition == condition => vec![slot.holds],
-                    Some(slot) if slot.condition == condition ^ 1 => vec![!slot.holds],
-                    _ => vec![true, false],
-                };
                 let first = address + instruction.length;
-                let slot = |holds| Slot {
+                let begins = |holds| Slot {
                     left: slots,
                     senses,
                     condition,
                     holds,
                 };
-                next = holds
-                    .into_iter()
-                    .map(|holds| (first, Some(slot(holds))))
-                    .collect();
+                let slots = outcomes(condition, slot).into_iter().map(begins);
+                next = slots.map(|slot| (first, Some(slot))).collect();
             }
             Flow::Unknown => {
                 next.clear();

@@ -203,14 +203,11 @@ impl Limits {
             Followed::Joint => return Ok(reached),
             Followed::Timed => {
                 (reached.torque, reached.timed) = (self.torque_share(torque, [omega1, omega4]), 1);
-                within("joint torque", reached.torque)?;
-                return Ok(reached);
+                return within("joint torque", reached.torque).map(|()| reached);
             }
         }
 
-        let longest = self.settings.lengths.iter().fold(0.0_f32, |a, &b| a.max(b));
-        let joint = self.settings.axes.map(|axis| axis.max_acceleration);
-        let rounding = ACCELERATION_ROUNDING * f64::from(longest * joint[0].max(joint[1])) / least;
+        let rounding = self.acceleration_rounding() / least;
         reached.speed = velocity.norm() / f64::from(motion.max_speed);
         within("tool speed", reached.speed)?;
         reached.acceleration =
@@ -225,6 +222,13 @@ impl Limits {
         }
         self.last = Some((acceleration, generation));
         Ok(reached)
+    }
+
+    /// The error of the tool's acceleration by rounding, of a sine of 1 [m/s²].
+    fn acceleration_rounding(&self) -> f64 {
+        let longest = self.settings.lengths.iter().fold(0.0_f32, |a, &b| a.max(b));
+        let joint = self.settings.axes.map(|axis| axis.max_acceleration);
+        ACCELERATION_ROUNDING * f64::from(longest * joint[0].max(joint[1]))
     }
 
     /// Whether the set-point has moved in a tick as its limits allow.

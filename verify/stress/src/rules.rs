@@ -88,11 +88,29 @@ impl Rules {
         command: &ActuatorCommand,
         status: &Status,
     ) -> Result<(), Violation> {
-        let state = status.state;
+        self.silence = self.silence.saturating_add(1);
+        Self::check_command(tick, command, status)?;
+        self.check_power(tick, sample, command, status)?;
+        self.check_state(tick, command, status)?;
+
+        let off = status.fault.is_some_and(|fault| !holds(fault));
+        if off || status.state == State::Stopped {
+            self.permitted = false;
+        }
+        self.cleared &= status.fault.is_some() && status.fault == self.fault;
+        self.fault = status.fault;
+        self.renewed = false;
+        Ok(())
+    }
+
+    /// The rules of the actuators.
+    fn check_command(
+        tick: u32,
+        command: &ActuatorCommand,
+        status: &Status,
+    ) -> Result<(), Violation> {
         let [power, other] = command.enable;
         let broken = |rule, found: fmt::Arguments<'_>| Err(Violation::new(tick, rule, found));
-        self.silence = self.silence.saturating_add(1);
-
         if !command.drives.duty.iter().all(|duty| duty.abs() <= 1.0) {
             return broken(
                 "duties are finite and within ±1",
@@ -119,13 +137,25 @@ impl Rules {
                 format_args!("{command:?}, {:?}", status.joint_reference),
             );
         }
+        Ok(())
+    }
+
+    /// The rules of power.
+    fn check_power(
+        &self,
+        tick: u32,
+        sample: &SensorSample,
+        command: &ActuatorCommand,
+        status: &Status,
+    ) -> Result<(), Violation> {
+        let (state, [power, _]) = (status.state, command.enable);
+        let broken = |rule, found: fmt::Arguments<'_>| Err(Violation::new(tick, rule, found));
         if power && !self.permitted {
             return broken(
                 "power needs an accepted Arm, Home or Excite",
                 format_args!("{state:?}"),
             );
         }
-        let holds = |fault: Fault| fault.response() == Response::ControlledStop;
         let may = match state {
             State::Homing
             | State::Exciting
@@ -155,6 +185,18 @@ impl Rules {
                 format_args!("{state:?}"),
             );
         }
+        Ok(())
+    }
+
+    /// The rules of the state, its fault, and what it lets the arm do.
+    fn check_state(
+        &self,
+        tick: u32,
+        command: &ActuatorCommand,
+        status: &Status,
+    ) -> Result<(), Violation> {
+        let state = status.state;
+        let broken = |rule, found: fmt::Arguments<'_>| Err(Violation::new(tick, rule, found));
         if (state == State::Fault) != status.fault.is_some() {
             return broken(
                 "a fault is latched in the state Fault and in no other",
@@ -187,14 +229,6 @@ impl Rules {
         if let Some(name) = not_finite(status) {
             return broken("the status holds finite numbers", format_args!("{name}"));
         }
-
-        let off = status.fault.is_some_and(|fault| !holds(fault));
-        if off || state == State::Stopped {
-            self.permitted = false;
-        }
-        self.cleared &= status.fault.is_some() && status.fault == self.fault;
-        self.fault = status.fault;
-        self.renewed = false;
         Ok(())
     }
 
@@ -230,4 +264,9 @@ fn not_finite(status: &Status) -> Option<&'static str> {
     ]
     .into_iter()
     .find_map(|(name, pair)| (!finite(pair)).then_some(name))
+}
+
+/// Whether the arm is held, or comes to rest on its path, under this fault.
+fn holds(fault: Fault) -> bool {
+    fault.response() == Response::ControlledStop
 }

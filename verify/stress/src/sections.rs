@@ -15,6 +15,7 @@ pub(crate) fn key(bytes: &mut Bytes<'_>) -> SectionKey {
 }
 
 /// A section of the settings in use, with one of its values changed or none.
+#[expect(clippy::too_many_lines, reason = "a list: one arm for each section")]
 pub(crate) fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
     let Some(mut section) = key(bytes).of(settings) else {
         return Section::Payload(bytes.number(0.0, 0.1));

@@ -233,19 +233,8 @@ impl fmt::Display for Warning {
                 f,
                 "{code} stops and waits for you on a machine; a simulation goes on at once"
             ),
-            WarningKind::DwellUnit(Dialect::RepRap, Some((line, sign))) => {
-                return write!(
-                    f,
-                    "P of G4 is in milliseconds, as RepRap has it, because of {sign} in line \
-                     {line}; --dialect grbl makes it seconds"
-                );
-            }
-            WarningKind::DwellUnit(dialect, _) => {
-                let (unit, other) = match dialect {
-                    Dialect::Grbl => ("seconds, as Grbl has it", "reprap makes it milliseconds"),
-                    Dialect::RepRap => ("milliseconds, as RepRap has it", "grbl makes it seconds"),
-                };
-                return write!(f, "P of G4 is in {unit}; --dialect {other}");
+            WarningKind::DwellUnit(dialect, sign) => {
+                return write_dwell_unit(f, *dialect, sign.as_ref());
             }
             WarningKind::PenHeight(height) => {
                 return write!(
@@ -261,14 +250,7 @@ impl fmt::Display for Warning {
                      up_s in [tool_output] of the robot file state another rule",
                 );
             }
-            WarningKind::PenSpeeds { down, up } => {
-                return write!(
-                    f,
-                    "S{down} is taken as pen down and S{up} as pen up, because the arm mostly \
-                     travels at S{up}; down_s and up_s in [tool_output] of the robot file decide \
-                     otherwise"
-                );
-            }
+            WarningKind::PenSpeeds { down, up } => return write_pen_speeds(f, *down, *up),
             WarningKind::Parking => {
                 return f.write_str(
                     "the travel from here on is left out, because the arm cannot do it and nothing \
@@ -312,6 +294,35 @@ impl fmt::Display for Warning {
         }
         Ok(())
     }
+}
+
+/// Which unit `P` of `G4` has, and by which line's sign, if one decides it.
+fn write_dwell_unit(
+    f: &mut fmt::Formatter<'_>,
+    dialect: Dialect,
+    sign: Option<&(u32, String)>,
+) -> fmt::Result {
+    match (dialect, sign) {
+        (Dialect::RepRap, Some((line, sign))) => write!(
+            f,
+            "P of G4 is in milliseconds, as RepRap has it, because of {sign} in line {line}; \
+             --dialect grbl makes it seconds"
+        ),
+        (Dialect::RepRap, None) => f.write_str(
+            "P of G4 is in milliseconds, as RepRap has it; --dialect grbl makes it seconds",
+        ),
+        (Dialect::Grbl, _) => f.write_str(
+            "P of G4 is in seconds, as Grbl has it; --dialect reprap makes it milliseconds",
+        ),
+    }
+}
+
+fn write_pen_speeds(f: &mut fmt::Formatter<'_>, down: f64, up: f64) -> fmt::Result {
+    write!(
+        f,
+        "S{down} is taken as pen down and S{up} as pen up, because the arm mostly travels at S{up}; \
+         down_s and up_s in [tool_output] of the robot file decide otherwise"
+    )
 }
 
 /// Text of a job as messages quote it: at most 60 characters, control characters replaced.

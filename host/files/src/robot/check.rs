@@ -39,9 +39,8 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let tool_output = refusals.noted(tool_output::read(&source, &file.tool_output));
     let tolerance = refusals.noted(tolerance::read(&source, &file.tolerance));
     refusals.check(contact(&source, &file.contact));
-    if let Some(angles) = file.home {
-        refusals.check(finite(&source, Key::Top("home"), angles));
-    }
+    let home = file.home.unwrap_or_default();
+    refusals.check(finite(&source, Key::Top("home"), home));
     let drag = Key::In("crossing", "drag");
     refusals.check(not_negative(&source, drag, file.crossing.drag));
     let sections = Sections {
@@ -59,23 +58,19 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let (tool_output, tool_speeds) = tool_output?;
     let (geometry, inertias) = of_links?;
     let (geometry, elbows) = (geometry?, WorkingMode::new(elbow1?, elbow4?));
-    let rotor = |a: Actuator| a.rotor_inertia * a.gear_ratio * a.gear_ratio;
-    let rotors = actuators.map_or([0.0; 2], |actuators| actuators.map(rotor));
     let arm = |inertias| {
+        let rotor = |a: Actuator| a.rotor_inertia * a.gear_ratio * a.gear_ratio;
+        let rotors = actuators.map_or([0.0; 2], |actuators| actuators.map(rotor));
         let payload = file.payload.ok_or_else(|| missing_payload(&source))?;
         let arm = Arm::new(geometry, inertias, payload, gravity, rotors);
         arm.map_err(|error| source.refuse(Key::Top("link"), error))
     };
     let arm = inertias?.map(arm).transpose()?;
-    let [along, left] = file.tool.offset;
-    let tool = five_bar::Tool::new(geometry, Vector2::new(along, left))
+    let tool = five_bar::Tool::new(geometry, file.tool.offset.into())
         .map_err(|_| source.refuse(Key::In("tool", "offset"), "must not put the tool on B"))?;
-    let home = file.home.unwrap_or_else(|| {
-        let pose = best_conditioned(&tool, elbows, &file.limits, |_| true);
-        pose.map_or([0.0; 2], |pose| {
-            [pose.u1.polar_angle(), pose.u4.polar_angle()]
-        })
-    });
+    let home = file
+        .home
+        .unwrap_or_else(|| default_home(&tool, elbows, &file.limits));
     let mut robot = Robot {
         name: file.name,
         geometry,
@@ -108,6 +103,14 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     };
     consistent(&source, &robot, file.home.is_some())?;
     Ok(robot)
+}
+
+/// The joint angles [rad] of the best conditioned pose; zero for an arm without any.
+fn default_home(tool: &five_bar::Tool<f64>, elbows: WorkingMode, limits: &Limits) -> [f64; 2] {
+    let pose = best_conditioned(tool, elbows, limits, |_| true);
+    pose.map_or([0.0; 2], |pose| {
+        [pose.u1.polar_angle(), pose.u4.polar_angle()]
+    })
 }
 
 /// Whether the values agree with one another.

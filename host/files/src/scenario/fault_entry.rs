@@ -69,159 +69,255 @@ enum Kind {
     TicksMissed,
 }
 
+/// A fault's keys as they are read, each checked when its kind asks for it.
+struct Keys<'a> {
+    entry: &'a FaultEntry,
+    source: &'a Source<'a>,
+    /// The number of the fault in the file.
+    index: usize,
+}
+
+impl Keys<'_> {
+    fn refuse(&self, name: &'static str, reason: String) -> FileError {
+        self.source
+            .refuse(Key::Of("fault", self.index, name), reason)
+    }
+
+    fn given<T>(&self, name: &'static str, value: Option<T>, what: &str) -> Result<T, FileError> {
+        value.ok_or_else(|| self.refuse(name, format!("is missing: {what}")))
+    }
+
+    /// Seconds after the beginning of the job; none: from power-up.
+    fn at(&self) -> Result<Option<f64>, FileError> {
+        match self.entry.at {
+            Some(at) if !(at >= 0.0 && at.is_finite()) => {
+                let reason =
+                    format!("must be a time in seconds after the beginning of the job, not {at:?}");
+                Err(self.refuse("at", reason))
+            }
+            at => Ok(at),
+        }
+    }
+
+    fn joint(&self) -> Result<Joint, FileError> {
+        let number = self.given("joint", self.entry.joint, "1 or 4")?;
+        let other = || self.refuse("joint", format!("is 1 or 4, not {number}"));
+        Joint::numbered(number).ok_or_else(other)
+    }
+
+    fn finite(&self, name: &'static str, value: Option<f64>, what: &str) -> Result<f64, FileError> {
+        match self.given(name, value, what)? {
+            value if value.is_finite() => Ok(value),
+            value => Err(self.refuse(name, format!("must be finite, not {value:?}"))),
+        }
+    }
+
+    fn within(
+        &self,
+        name: &'static str,
+        value: Option<f64>,
+        [least, most]: [f64; 2],
+        what: &str,
+    ) -> Result<f64, FileError> {
+        match self.given(name, value, what)? {
+            value if least <= value && value <= most => Ok(value),
+            value => Err(self.refuse(name, format!("is {least:?} to {most:?}, not {value:?}"))),
+        }
+    }
+
+    /// A number from 1 to 10000.
+    fn number(
+        &self,
+        name: &'static str,
+        value: Option<u32>,
+        [of, what]: [&str; 2],
+    ) -> Result<u32, FileError> {
+        match self.given(name, value, what)? {
+            number @ 1..=10_000 => Ok(number),
+            other => Err(self.refuse(name, format!("is 1 to 10000{of}, not {other}"))),
+        }
+    }
+
+    fn gain(&self) -> Result<f64, FileError> {
+        self.finite("gain", self.entry.gain, "the factor")
+    }
+
+    fn amperes(&self, what: &str) -> Result<f64, FileError> {
+        self.finite("amperes", self.entry.amperes, what)
+    }
+
+    fn level(&self, name: &'static str, value: Option<bool>) -> Result<bool, FileError> {
+        self.given(name, value, "true or false")
+    }
+
+    fn ticks(&self) -> Result<u32, FileError> {
+        let of = ["", "a number from 1 to 10000"];
+        self.number("ticks", self.entry.ticks, of)
+    }
+
+    fn steps(&self) -> Result<u32, FileError> {
+        let of = [" full steps", "the number of full steps"];
+        self.number("steps", self.entry.steps, of)
+    }
+
+    fn counts(&self, what: &str) -> Result<i32, FileError> {
+        self.given("counts", self.entry.counts, what)
+    }
+
+    /// The greatest error of an encoder [counts].
+    fn noise(&self) -> Result<i32, FileError> {
+        match self.counts("the greatest error")? {
+            counts @ 0.. => Ok(counts),
+            other => {
+                let reason = format!("must not be less than 0, as {other} is");
+                Err(self.refuse("counts", reason))
+            }
+        }
+    }
+}
+
 impl FaultEntry {
     pub(super) fn fault(
         &self,
         source: &Source<'_>,
         index: usize,
     ) -> Result<(Option<f64>, FaultKind), FileError> {
-        let key = |name| Key::Of("fault", index, name);
-        if let Some(at) = self.at
-            && !(at >= 0.0 && at.is_finite())
-        {
-            let reason =
-                format!("must be a time in seconds after the beginning of the job, not {at:?}");
-            return Err(source.refuse(key("at"), reason));
-        }
-        let missing = |name, what: &str| source.refuse(key(name), format!("is missing: {what}"));
-        let joint = || {
-            let number = self.joint.ok_or_else(|| missing("joint", "1 or 4"))?;
-            let other = || source.refuse(key("joint"), format!("is 1 or 4, not {number}"));
-            Joint::numbered(number).ok_or_else(other)
+        let keys = Keys {
+            entry: self,
+            source,
+            index,
         };
-        let finite = |name, value: Option<f64>, what: &str| match value {
-            Some(value) if value.is_finite() => Ok(value),
-            Some(value) => Err(source.refuse(key(name), format!("must be finite, not {value:?}"))),
-            None => Err(missing(name, what)),
-        };
-        let within = |name, value: Option<f64>, [least, most]: [f64; 2], what: &str| match value {
-            Some(value) if least <= value && value <= most => Ok(value),
-            Some(value) => {
-                let reason = format!("is {least:?} to {most:?}, not {value:?}");
-                Err(source.refuse(key(name), reason))
-            }
-            None => Err(missing(name, what)),
-        };
-        let gain = || finite("gain", self.gain, "the factor");
-        let level = |name, value: Option<bool>| value.ok_or_else(|| missing(name, "true or false"));
-        let ticks = || match self.ticks {
-            Some(ticks @ 1..=10_000) => Ok(ticks),
-            Some(other) => {
-                let reason = format!("is 1 to 10000, not {other}");
-                Err(source.refuse(key("ticks"), reason))
-            }
-            None => Err(missing("ticks", "a number from 1 to 10000")),
-        };
-        let counts = |what: &str| self.counts.ok_or_else(|| missing("counts", what));
-        let kind = match self.kind {
-            Kind::EncoderDead => FaultKind::EncoderDead { joint: joint()? },
+        Ok((keys.at()?, self.kind(&keys)?))
+    }
+
+    #[expect(
+        clippy::too_many_lines,
+        reason = "a list: one arm for each kind of fault"
+    )]
+    fn kind(&self, keys: &Keys<'_>) -> Result<FaultKind, FileError> {
+        Ok(match self.kind {
+            Kind::EncoderDead => FaultKind::EncoderDead {
+                joint: keys.joint()?,
+            },
             Kind::EncoderJump => FaultKind::EncoderJump {
-                joint: joint()?,
-                counts: counts("the change of the counts")?,
+                joint: keys.joint()?,
+                counts: keys.counts("the change of the counts")?,
             },
             Kind::EncoderGain => FaultKind::EncoderGain {
-                joint: joint()?,
-                gain: gain()?,
+                joint: keys.joint()?,
+                gain: keys.gain()?,
             },
             Kind::EncoderLate => FaultKind::EncoderLate {
-                joint: joint()?,
-                ticks: ticks()?,
+                joint: keys.joint()?,
+                ticks: keys.ticks()?,
             },
-            Kind::EncoderChannelStuck => FaultKind::EncoderChannelStuck { joint: joint()? },
+            Kind::EncoderChannelStuck => FaultKind::EncoderChannelStuck {
+                joint: keys.joint()?,
+            },
             Kind::EncoderNoise => FaultKind::EncoderNoise {
-                joint: joint()?,
-                counts: match counts("the greatest error")? {
-                    counts @ 0.. => counts,
-                    other => {
-                        let reason = format!("must not be less than 0, as {other} is");
-                        return Err(source.refuse(key("counts"), reason));
-                    }
-                },
+                joint: keys.joint()?,
+                counts: keys.noise()?,
             },
             Kind::IndexStuck => FaultKind::IndexStuck {
-                joint: joint()?,
-                high: level("high", self.high)?,
+                joint: keys.joint()?,
+                high: keys.level("high", self.high)?,
             },
             Kind::SwitchStuck => FaultKind::SwitchStuck {
-                joint: joint()?,
-                pressed: level("pressed", self.pressed)?,
+                joint: keys.joint()?,
+                pressed: keys.level("pressed", self.pressed)?,
             },
-            Kind::MotorDisconnected => FaultKind::MotorDisconnected { joint: joint()? },
-            Kind::WindingShorted => FaultKind::WindingShorted { joint: joint()? },
-            Kind::MotorStalled => FaultKind::MotorStalled { joint: joint()? },
+            Kind::MotorDisconnected => FaultKind::MotorDisconnected {
+                joint: keys.joint()?,
+            },
+            Kind::WindingShorted => FaultKind::WindingShorted {
+                joint: keys.joint()?,
+            },
+            Kind::MotorStalled => FaultKind::MotorStalled {
+                joint: keys.joint()?,
+            },
             Kind::CurrentOffset => FaultKind::CurrentOffset {
-                joint: joint()?,
-                amperes: finite(
-                    "amperes",
-                    self.amperes,
-                    "the shift of the sensor's zero [A]",
-                )?,
+                joint: keys.joint()?,
+                amperes: keys.amperes("the shift of the sensor's zero [A]")?,
             },
-            Kind::CurrentDead => FaultKind::CurrentDead { joint: joint()? },
+            Kind::CurrentDead => FaultKind::CurrentDead {
+                joint: keys.joint()?,
+            },
             Kind::CurrentGain => FaultKind::CurrentGain {
-                joint: joint()?,
-                gain: gain()?,
+                joint: keys.joint()?,
+                gain: keys.gain()?,
             },
             Kind::CurrentStuck => FaultKind::CurrentStuck {
-                joint: joint()?,
-                amperes: finite("amperes", self.amperes, "the current that it shows [A]")?,
+                joint: keys.joint()?,
+                amperes: keys.amperes("the current that it shows [A]")?,
             },
             Kind::CurrentLate => FaultKind::CurrentLate {
-                joint: joint()?,
-                ticks: ticks()?,
+                joint: keys.joint()?,
+                ticks: keys.ticks()?,
             },
             Kind::BusVoltage => FaultKind::BusVoltage {
-                volts: finite("volts", self.volts, "the new bus voltage [V]")?,
+                volts: keys.finite("volts", self.volts, "the new bus voltage [V]")?,
             },
             Kind::BusSensorStuck => FaultKind::BusSensorStuck,
-            Kind::BusSensorGain => FaultKind::BusSensorGain { gain: gain()? },
-            Kind::BridgeOneDirection => FaultKind::BridgeOneDirection { joint: joint()? },
-            Kind::BridgeShorted => FaultKind::BridgeShorted { joint: joint()? },
-            Kind::DutyStuck => FaultKind::DutyStuck { joint: joint()? },
-            Kind::DriverFault => FaultKind::DriverFault { joint: joint()? },
-            Kind::DriverFaultStuck => FaultKind::DriverFaultStuck { joint: joint()? },
-            Kind::DriverFaultOpen => FaultKind::DriverFaultOpen { joint: joint()? },
+            Kind::BusSensorGain => FaultKind::BusSensorGain { gain: keys.gain()? },
+            Kind::BridgeOneDirection => FaultKind::BridgeOneDirection {
+                joint: keys.joint()?,
+            },
+            Kind::BridgeShorted => FaultKind::BridgeShorted {
+                joint: keys.joint()?,
+            },
+            Kind::DutyStuck => FaultKind::DutyStuck {
+                joint: keys.joint()?,
+            },
+            Kind::DriverFault => FaultKind::DriverFault {
+                joint: keys.joint()?,
+            },
+            Kind::DriverFaultStuck => FaultKind::DriverFaultStuck {
+                joint: keys.joint()?,
+            },
+            Kind::DriverFaultOpen => FaultKind::DriverFaultOpen {
+                joint: keys.joint()?,
+            },
             Kind::EmergencyStop => FaultKind::EmergencyStop,
             Kind::EmergencyStopWelded => FaultKind::EmergencyStopWelded,
             Kind::ContactorWelded => FaultKind::ContactorWelded,
-            Kind::BrakeStuck => FaultKind::BrakeStuck { joint: joint()? },
+            Kind::BrakeStuck => FaultKind::BrakeStuck {
+                joint: keys.joint()?,
+            },
             Kind::BrakeLate => FaultKind::BrakeLate {
-                joint: joint()?,
-                seconds: within(
+                joint: keys.joint()?,
+                seconds: keys.within(
                     "seconds",
                     self.seconds,
                     [0.0, 10.0],
                     "the additional time [s]",
                 )?,
             },
-            Kind::BrakeFails => FaultKind::BrakeFails { joint: joint()? },
-            Kind::CouplingSlips => FaultKind::CouplingSlips {
-                joint: joint()?,
-                share: within("share", self.share, [0.0, 0.99], "the share that is lost")?,
+            Kind::BrakeFails => FaultKind::BrakeFails {
+                joint: keys.joint()?,
             },
-            Kind::BeltBreaks => FaultKind::BeltBreaks { joint: joint()? },
+            Kind::CouplingSlips => FaultKind::CouplingSlips {
+                joint: keys.joint()?,
+                share: keys.within("share", self.share, [0.0, 0.99], "the share that is lost")?,
+            },
+            Kind::BeltBreaks => FaultKind::BeltBreaks {
+                joint: keys.joint()?,
+            },
             Kind::StepLost => FaultKind::StepLost {
-                joint: joint()?,
-                steps: match self.steps {
-                    Some(steps @ 1..=10_000) => steps,
-                    Some(other) => {
-                        let reason = format!("is 1 to 10000 full steps, not {other}");
-                        return Err(source.refuse(key("steps"), reason));
-                    }
-                    None => return Err(missing("steps", "the number of full steps")),
-                },
+                joint: keys.joint()?,
+                steps: keys.steps()?,
             },
             Kind::PayloadChanges => FaultKind::PayloadChanges {
-                kilograms: finite(
+                kilograms: keys.finite(
                     "kilograms",
                     self.kilograms,
                     "the change of the payload [kg]",
                 )?,
             },
             Kind::ToolCaught => FaultKind::ToolCaught,
-            Kind::TicksMissed => FaultKind::TicksMissed { ticks: ticks()? },
-        };
-        Ok((self.at, kind))
+            Kind::TicksMissed => FaultKind::TicksMissed {
+                ticks: keys.ticks()?,
+            },
+        })
     }
 
     /// Refuses a fault of a part that the arm does not have.

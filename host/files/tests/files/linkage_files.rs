@@ -52,6 +52,7 @@ fn the_unchanged_file_is_accepted() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn each_mistake_is_reported_with_its_line_and_key() {
     for (from, to, message) in [
         (

@@ -7,14 +7,15 @@ use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
-use fivebar_files::job::Pause;
+use fivebar_files::job::{Job, Pause};
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
-use fivebar_firmware::{Move, Status};
+use fivebar_firmware::{Move, Planner, Status};
 use fivebar_sim::drive::{Drive, DriveError, Homing};
 use fivebar_sim::simulation::{Sample, Trace};
 use fivebar_sim::time_optimal::JobPlanner;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{Read, Write};
 use std::sync::atomic::Ordering;
 
 /// Streams a job to a controller that drives motors; Ctrl-C, and the
@@ -50,30 +51,26 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
-    let robot = scenario.robot.brushed().map_err(refused)?;
-    let settings = robot.settings().map_err(refused)?;
+    let settings = scenario.robot.brushed().map_err(refused)?.settings();
+    let settings = settings.map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
 
     args.log.prepare()?;
     let interrupted = interrupted()?;
     let (mut client, identity) = args.port.open()?;
-    if identity.board == Board::Emulated {
-        return Err(Failure::Refused(
-            "an emulated board has no motors; run the job on it with `fivebar pil`".into(),
-        ));
-    }
+    refuse_emulated(identity.board)?;
     let wants_stop = || interrupted.load(Ordering::Relaxed);
     let mut drive = Drive::new(&mut client, &wants_stop);
     let lengths = path_lengths(&scenario, &job);
-    let done = |last: Option<&Move>| {
+    let length_up_to = |last: Option<&Move>| {
         let line = last.map_or(0, |last| last.tag);
         let steps = job.steps.partition_point(|step| step.line <= line);
         steps.checked_sub(1).map_or(0.0, |last| lengths[last])
     };
     let bar = progress(&lengths);
-    let at = args.at.map(|angles| angles.map(|angle| angle as f32));
-    let homing = at.map_or(Homing::Switches, Homing::At);
+    let at = |angles: [f64; 2]| Homing::At(angles.map(|angle| angle as f32));
+    let homing = args.at.map_or(Homing::Switches, at);
     let tick_rate = f64::from(settings.control.tick_rate);
     let mut start = None;
     let mut trace = Trace::default();
@@ -87,31 +84,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             true => drive.store_settings(&settings)?,
             false => drive.compare_settings(&settings)?,
         }
-        if let Some(refusal) = refused_from_home
-            && !drive.is_homed()?
-        {
-            return Err(refusal.into());
+        match refused_from_home {
+            Some(refusal) if !drive.is_homed()? => return Err(refusal.into()),
+            _ => {}
         }
         bar.set_message("homing");
         drive.home(homing)?;
         bar.set_message("");
         let mut planner = drive.planner(&settings)?;
         has_crossed = planner.assembly() != settings.assembly();
-        moves = scenario.moves_in(planner.workspace().mode, Some(planner.assembly()), &job)?;
-        let mut pauses;
-        (moves, pauses) = job.with_pauses(&moves);
-        if let Some(share) = scenario.time_optimal {
-            let job = JobPlanner::new(&scenario.robot, share)?;
-            let planned = job.plan(drive.tool()?, &moves, &mut planner)?;
-            for pause in &mut pauses {
-                pause.before = planned
-                    .partition_point(|piece| piece.source.is_none_or(|it| it < pause.before));
-            }
-            moves = planned.iter().map(|piece| piece.next).collect();
-        }
+        let pauses;
+        (moves, pauses) = planned(&scenario, &job, &mut drive, &mut planner)?;
         let mut on_progress = |taken: usize, status: &Status| {
             let last = taken.checked_sub(1).and_then(|last| moves.get(last));
-            bar.set_position(millimetres(done(last)));
+            bar.set_position(millimetres(length_up_to(last)));
             let ticks = status.tick.wrapping_sub(*start.get_or_insert(status.tick));
             if let Some(sample) = Sample::reported(status, f64::from(ticks) / tick_rate) {
                 trace.push(sample);
@@ -132,9 +118,42 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         _ => args.log.write(&scenario.robot, &trace),
     };
     outcome.map_err(|error| refusal(&scenario, error, has_crossed))?;
-    let (file, count) = (&scenario.job_file, moves.len());
-    say(format_args!("{file}: {count} moves done, bridges off"))?;
+    let done = moves.len();
+    say(format_args!(
+        "{}: {done} moves done, bridges off",
+        scenario.job_file
+    ))?;
     logged
+}
+
+fn refuse_emulated(board: Board) -> Result<(), Failure> {
+    match board {
+        Board::Emulated => Err(Failure::Refused(
+            "an emulated board has no motors; run the job on it with `fivebar pil`".into(),
+        )),
+        Board::Desktop | Board::Stm32f405 => Ok(()),
+    }
+}
+
+/// The job's moves from where the arm is, and the pauses between them.
+fn planned(
+    scenario: &Scenario,
+    job: &Job,
+    drive: &mut Drive<'_, impl Read + Write>,
+    planner: &mut Planner,
+) -> Result<(Vec<Move>, Vec<Pause>), DriveError> {
+    let (mode, assembly) = (planner.workspace().mode, planner.assembly());
+    let (moves, mut pauses) = job.with_pauses(&scenario.moves_in(mode, Some(assembly), job)?);
+    let Some(share) = scenario.time_optimal else {
+        return Ok((moves, pauses));
+    };
+    let job = JobPlanner::new(&scenario.robot, share)?;
+    let planned = job.plan(drive.tool()?, &moves, planner)?;
+    for pause in &mut pauses {
+        pause.before =
+            planned.partition_point(|piece| piece.source.is_none_or(|it| it < pause.before));
+    }
+    Ok((planned.iter().map(|piece| piece.next).collect(), pauses))
 }
 
 /// A bar as long as the job; `lengths` are those up to each step [m].

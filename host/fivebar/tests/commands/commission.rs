@@ -52,6 +52,7 @@ fn refused(lines: &str) -> (String, String) {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn each_wrong_wiring_is_found_and_named() {
     let cases = [
         ("[wiring]\nmotors_swapped = true", "the motors are swapped"),

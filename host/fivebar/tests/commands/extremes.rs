@@ -25,6 +25,7 @@ fn with_each(text: &str, number: &str) -> Vec<String> {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn no_answer_holds_a_number_that_is_none() {
     let folder = tempfile::tempdir().unwrap();
     let uncommented = |text: &str| -> String {

@@ -111,15 +111,20 @@ fn an_arm_is_excited_logged_identified_and_its_file_rewritten() {
         assert!(text.contains(wanted), "{wanted} in {text}");
     }
 
+    spoilt_logs_are_refused(folder.path(), log, second);
+}
+
+/// Logs that do not belong to the arm, made of two that do.
+fn spoilt_logs_are_refused(folder: &Path, log: &str, second: &str) {
     // A second log that the first one does not predict.
-    let spoilt = folder.path().join("spoilt.csv");
+    let spoilt = folder.join("spoilt.csv");
     let rows = std::fs::read_to_string(second).unwrap();
     std::fs::write(
         &spoilt,
         rows.replacen("current1_a,current4_a", "current4_a,current1_a", 1),
     )
     .unwrap();
-    let never = folder.path().join("never.toml");
+    let never = folder.join("never.toml");
     let output = identify(&[
         "--log",
         log,
@@ -140,7 +145,6 @@ fn an_arm_is_excited_logged_identified_and_its_file_rewritten() {
     let text = std::fs::read_to_string(log).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     let header = lines[0];
-    let folder = folder.path();
     let gap = [&lines[..9000], &lines[9050..20_000]].concat().join("\n");
     assert!(refusal(folder, &gap).contains("has a gap"));
     let every_second: Vec<&str> = lines[1..20_000].iter().copied().step_by(2).collect();

@@ -77,6 +77,11 @@ fn a_current_sensor_or_an_encoder_that_fails_ends_the_run_with_its_own_fault_in_
         println!("{lines}: after {:.1} ms", 1e3 * after);
         assert!(after <= within, "{lines}: {after} s");
     }
+}
+
+#[test]
+fn a_gain_of_a_current_sensor_that_is_no_number_is_refused() {
+    let bench = Bench::new();
     let file = bench.path("failing.toml");
     for (gain, words) in [
         ("nan", ["`gain`", "finite"]),

@@ -54,6 +54,23 @@ pub fn margins(study: &MarginsStudy<'_>) -> String {
         margins.phase.to_degrees(),
         1e6 * margins.delay,
     );
+    belts(&mut text, study);
+    let _ = writeln!(
+        text,
+        "  torque by counts    {:.2} % of the peak torque, root mean square",
+        100.0 * study.noise
+    );
+    if margins.modulus < 0.5 {
+        text.push_str(
+            "warning: below 0.5 the loop amplifies disturbances more than twice; lower \
+             `bandwidth`, or leave the bandwidths of [control] out\n",
+        );
+    }
+    text
+}
+
+/// What is of belts: frequencies, the worst arm of the range, and how far a load moves the tip.
+fn belts(text: &mut String, study: &MarginsStudy<'_>) {
     for (joint, resonance) in Joint::ALL.into_iter().zip(study.resonance) {
         if let Some(frequency) = resonance {
             let _ = writeln!(
@@ -85,16 +102,4 @@ pub fn margins(study: &MarginsStudy<'_>) -> String {
             "  load at the tip     it yields at most {peak:.2} times as far as to a constant one without the integral"
         );
     }
-    let _ = writeln!(
-        text,
-        "  torque by counts    {:.2} % of the peak torque, root mean square",
-        100.0 * study.noise
-    );
-    if margins.modulus < 0.5 {
-        text.push_str(
-            "warning: below 0.5 the loop amplifies disturbances more than twice; lower \
-             `bandwidth`, or leave the bandwidths of [control] out\n",
-        );
-    }
-    text
 }

@@ -113,36 +113,52 @@ impl Spline {
         for span in self.degree..self.points.len() {
             let [from, to] = [self.knots[span], self.knots[span + 1]];
             if from < to {
-                let ends = [self.at(span, from), self.at(span, to)];
-                stroke.push(ends[0]);
-                self.divide(span, [from, to], ends, tolerance, 0, &mut stroke);
+                stroke.push(self.at(span, from));
+                let piece = Piece {
+                    span,
+                    parameters: [from, to],
+                    depth: 0,
+                };
+                self.divide(&piece, tolerance, &mut stroke);
             }
         }
         stroke
     }
 
     /// Adds the points from behind the first end to the last one.
-    fn divide(
-        &self,
-        span: usize,
-        [from, to]: [f64; 2],
-        ends: [Point; 2],
-        tolerance: f64,
-        depth: u32,
-        stroke: &mut Vec<Point>,
-    ) {
-        let between = [0.25, 0.5, 0.75].map(|share| self.at(span, from + share * (to - from)));
-        let is_flat = between
+    fn divide(&self, piece: &Piece, tolerance: f64, stroke: &mut Vec<Point>) {
+        let Piece {
+            span,
+            parameters: [from, to],
+            depth,
+        } = *piece;
+        let at = |share: f64| self.at(span, from + share * (to - from));
+        let ends = [self.at(span, from), self.at(span, to)];
+        let is_flat = [0.25, 0.5, 0.75]
             .iter()
-            .all(|&point| distance(point, ends) < tolerance);
+            .all(|&share| distance(at(share), ends) < tolerance);
         if depth >= MOST_BISECTIONS || depth >= LEAST_BISECTIONS && is_flat {
             return stroke.push(ends[1]);
         }
-        let (middle, at) = (0.5 * (from + to), between[1]);
-        let (first, second) = ([ends[0], at], [at, ends[1]]);
-        self.divide(span, [from, middle], first, tolerance, depth + 1, stroke);
-        self.divide(span, [middle, to], second, tolerance, depth + 1, stroke);
+        let middle = 0.5 * (from + to);
+        for parameters in [[from, middle], [middle, to]] {
+            let half = Piece {
+                span,
+                parameters,
+                depth: depth + 1,
+            };
+            self.divide(&half, tolerance, stroke);
+        }
     }
+}
+
+/// A piece of a curve that is divided until it is flat.
+struct Piece {
+    span: usize,
+    /// Of its ends.
+    parameters: [f64; 2],
+    /// How often the curve was divided in two for it.
+    depth: u32,
 }
 
 /// The distance of a point from a line between two others.

@@ -42,32 +42,7 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
     if let Some(errors) = &errors {
         study.calibration.parameters = errors.parameters;
     }
-    let p = &study.calibration.parameters;
-    let sd = |index: usize| study.calibration.covariance[(index, index)].sqrt();
-    let names = [
-        "l1_m",
-        "l2_m",
-        "l3_m",
-        "l4_m",
-        "base_m",
-        "offset1_rad",
-        "offset4_rad",
-    ];
-    let found = p.lengths.iter().chain(&p.offsets);
-    let mut values: Vec<Value> = (names.iter().zip(found).enumerate())
-        .map(|(index, (name, value))| {
-            Value::new(*name, *value, "by touched holes").with_sd(sd(index))
-        })
-        .collect();
-    for (index, name) in ["plate_x_m", "plate_y_m", "plate_phi_rad"]
-        .into_iter()
-        .enumerate()
-    {
-        let placed = [p.origin[0], p.origin[1], p.turn][index];
-        values.push(
-            Value::new(name, placed, "of the plate, by touched holes").with_sd(sd(7 + index)),
-        );
-    }
+    let mut values = found_values(&study);
     let mut text = format!("lengths and offsets from {} holes", rows.len());
     if let Some(expected) = &study.tip_error {
         values.push(Value::new(
@@ -108,6 +83,37 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
         measured: keys,
         picture,
     })
+}
+
+/// What the touched holes say of the arm and of the plate.
+fn found_values(study: &CalibrationStudy) -> Vec<Value> {
+    let p = &study.calibration.parameters;
+    let sd = |index: usize| study.calibration.covariance[(index, index)].sqrt();
+    let names = [
+        "l1_m",
+        "l2_m",
+        "l3_m",
+        "l4_m",
+        "base_m",
+        "offset1_rad",
+        "offset4_rad",
+    ];
+    let found = p.lengths.iter().chain(&p.offsets);
+    let mut values: Vec<Value> = (names.iter().zip(found).enumerate())
+        .map(|(index, (name, value))| {
+            Value::new(*name, *value, "by touched holes").with_sd(sd(index))
+        })
+        .collect();
+    for (index, name) in ["plate_x_m", "plate_y_m", "plate_phi_rad"]
+        .into_iter()
+        .enumerate()
+    {
+        let placed = [p.origin[0], p.origin[1], p.turn][index];
+        values.push(
+            Value::new(name, placed, "of the plate, by touched holes").with_sd(sd(7 + index)),
+        );
+    }
+    values
 }
 
 /// The error of the tip over the workspace before and after; none where the arm reaches nothing.
