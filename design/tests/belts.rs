@@ -56,7 +56,7 @@ fn angles(
             shown.rotate_right(1);
             shown[0] = x[if encoder_at_joint { 2 } else { 0 }];
             let counted = (shown[late] / COUNT).round() * COUNT;
-            let impulse = law.correct(&mut state, counted);
+            let impulse = law.correct(&mut state, counted, 0.0);
             state.velocity += impulse / declared;
             let demand = law.demand(&state);
             let demanded = (declared + jr) * demand.alpha + demand.torque;

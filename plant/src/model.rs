@@ -144,6 +144,7 @@ impl JointSensors {
         Self {
             counts_per_turn,
             home,
+            shown_at_home: home,
             switch: home + if axis.home_forward { behind } else { -behind },
             home_forward: axis.home_forward,
             current_per_code: f64::from(axis.current_per_code),

@@ -101,24 +101,21 @@ impl Plant {
         let latency =
             |joint: Joint| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
         let settings = &parameters.settings;
-        let sensors = Joint::ALL.map(|joint| {
+        let encoders = Joint::ALL.map(encoder);
+        let sensors = Joint::ALL.map(|joint: Joint| {
             let known = JointSensors::new(settings, mismatch, joint);
             let switch = parameters.switches.map(|switches| switches[joint]);
             JointSensors {
                 switch: switch.unwrap_or(known.switch),
+                shown_at_home: encoders[joint].measured(known.home),
                 ..known
             }
         });
-        let encoders = Joint::ALL.map(encoder);
         let method = settings.home_reference.method;
         let stops =
             (method == HomingMethod::HardStop).then(|| sensors.each_ref().map(HardStop::at_home));
-        let indices = (method == HomingMethod::Index).then(|| {
-            Joint::ALL.map(|j: Joint| {
-                let at_home = sensors[j].counts(encoders[j].measured(sensors[j].home), 0);
-                Index::new(at_home, settings.axes[j].index_counts)
-            })
-        });
+        let indices = (method == HomingMethod::Index)
+            .then(|| Joint::ALL.map(|joint: Joint| Index::new(settings.axes[joint].index_counts)));
         let count_origin = count_origin(method, &sensors, &mut noise);
         let mut plant = Self {
             stops,
@@ -383,7 +380,7 @@ impl Plant {
     }
 }
 
-/// The counts at angle 0. Incremental counters start anywhere, absolute ones in any turn.
+/// The counts at home. Incremental counters start anywhere, absolute ones in any turn.
 fn count_origin(method: HomingMethod, sensors: &[JointSensors; 2], noise: &mut Noise) -> [i32; 2] {
     let start = [noise.integer(), noise.integer()];
     match method {

@@ -11,6 +11,8 @@ pub struct JointSensors {
     /// Joint angle at which homing finds the joint: at the home switch, the hard stop or the index
     /// pulse [rad].
     pub home: f64,
+    /// What the encoder shows of the joint's angle at home [rad].
+    pub shown_at_home: f64,
     /// Joint angle at which the home switch closes [rad].
     pub switch: f64,
     /// Whether the joint's angle increases towards its switch; beyond, the switch stays
@@ -35,18 +37,19 @@ pub(crate) fn adc_code(value: f64) -> u16 {
 }
 
 impl JointSensors {
-    /// Encoder counts at a joint angle [rad], from `origin`, wrapping like the hardware's.
+    /// Encoder counts at an angle that the encoder shows [rad], wrapping like the hardware's; `origin` are those at
+    /// home. Home lies in the middle of its count: its angle is that of a calibrated arm, for which the encoder is
+    /// right in the mean over its counts. Elsewhere in the count it would turn a drawing by up to half a count.
     #[inline]
-    pub(crate) fn counts(&self, angle: f64, origin: i32) -> i32 {
-        let turns = (angle / TAU * self.counts_per_turn).floor();
+    pub(crate) fn counts(&self, shown: f64, origin: i32) -> i32 {
+        let turns = ((shown - self.shown_at_home) / TAU * self.counts_per_turn + 0.5).floor();
         // Keep the low 32 bits, as the counter does.
         origin.wrapping_add(turns as i64 as i32)
     }
 
-    /// The origin of an absolute encoder, which counts from 0 at home, so many turns of the joint on.
+    /// The counts at home of an absolute encoder, which counts from 0 there, so many turns of the joint on.
     pub(crate) fn absolute_origin(&self, turns: i32) -> i32 {
-        let at_home = (self.home / TAU + f64::from(turns)) * self.counts_per_turn;
-        -at_home.floor() as i32
+        -(f64::from(turns) * self.counts_per_turn).round() as i32
     }
 
     /// ADC code of a current [A].

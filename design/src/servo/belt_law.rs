@@ -29,7 +29,7 @@ pub(super) fn belt_laws(
             laws.iter()
                 .zip(&mut states)
                 .zip(measured)
-                .map(|((law, state), &angle)| law.correct(state, angle))
+                .map(|((law, state), &angle)| law.correct(state, angle, 0.0))
                 .collect(),
         );
         let changes = &inverse * impulses;

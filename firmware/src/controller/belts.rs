@@ -10,12 +10,13 @@
 //! [`BeltLaw`]: fivebar_kinematics::control::BeltLaw
 
 use super::ArmController;
+use super::model::AxisModel;
 use super::past::{Belted, small_angle};
 use crate::drives::Drives;
 use crate::safety::Fault;
-use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::control::BeltState;
 use fivebar_kinematics::five_bar::Joint;
+use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 /// Joints that do what they should.
@@ -90,9 +91,14 @@ impl<D: Drives> ArmController<D> {
         let [rotor1, rotor4] = self.model.rotor_inertia;
         let inverse = Inverse::of([m11 - rotor1, m14, m44 - rotor4]);
 
+        let rests = setpoint.omega == [0.0; 2];
+        let unseen = |axis: &AxisModel| {
+            let half_count = 0.5 * Scalar::abs(axis.radians_per_count);
+            if rests { half_count } else { 0.0 }
+        };
         let impulses = [
-            law1.correct(&mut state1, apart[0] - lead1),
-            law4.correct(&mut state4, apart[1] - lead4),
+            law1.correct(&mut state1, apart[0] - lead1, unseen(axis1)),
+            law4.correct(&mut state4, apart[1] - lead4, unseen(axis4)),
         ];
         let [change1, change4] = inverse.solve(impulses);
         state1.velocity += change1;

@@ -101,7 +101,7 @@ pub struct BeltDemand<S> {
 /// // The observer finds a load of 10 mN·m on the links from the rotor's angle alone: here the rotor is held.
 /// let (mut state, inertia) = (BeltState::default(), 9e-4_f64);
 /// for _ in 0..20_000 {
-///     let impulse = law.correct(&mut state, 0.0);
+///     let impulse = law.correct(&mut state, 0.0, 0.0);
 ///     state.velocity += impulse / inertia;
 ///     // The torque that holds the rotor.
 ///     let change = law.impulse(&state) / inertia;
@@ -170,16 +170,25 @@ impl<S: Scalar> BeltLaw<S> {
     }
 
     /// Corrects the state by the measured deviation of the encoder's angle [rad]; what is left is the impulse on
-    /// the links that it gives [N·m·s].
+    /// the links that it gives [N·m·s]. `unseen` is how far the angle may be from the measured one without another
+    /// count [rad]: half a count at rest, where one count would be corrected for ever and the arm would chatter; 0
+    /// in motion, where the counts are right in the mean.
     #[inline(always)]
-    pub fn correct(&self, state: &mut BeltState<S>, measured: S) -> S {
+    pub fn correct(&self, state: &mut BeltState<S>, measured: S, unseen: S) -> S {
         let [g1, g2, g3, g4, g5] = self.observer;
         let predicted = if self.encoder_at_joint {
             state.angle
         } else {
             state.rotor_angle
         };
-        let r = measured - predicted;
+        let apart = measured - predicted;
+        let r = if apart > unseen {
+            apart - unseen
+        } else if apart < -unseen {
+            apart + unseen
+        } else {
+            S::ZERO
+        };
         state.rotor_angle += g1 * r;
         state.rotor_velocity += g2 * r;
         state.angle += g3 * r;
@@ -264,7 +273,7 @@ mod tests {
         };
         for (encoder_at_joint, innovation) in [(false, 1.0), (true, 3.0)] {
             let mut corrected = state;
-            let impulse = law(encoder_at_joint).correct(&mut corrected, 4.0);
+            let impulse = law(encoder_at_joint).correct(&mut corrected, 4.0, 0.0);
             assert_eq!(impulse, 0.125 * innovation);
             let expected = BeltState {
                 rotor_angle: 3.0 + 0.5 * innovation,

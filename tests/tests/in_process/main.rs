@@ -13,6 +13,7 @@ mod homing_anywhere;
 mod injected_faults;
 mod mobility_cases;
 mod plant_and_models;
+mod readme_accuracy;
 mod reference_vectors;
 mod safety_document;
 mod servo_loop;

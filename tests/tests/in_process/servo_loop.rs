@@ -14,7 +14,12 @@ use std::fs;
 
 /// The benchtop arm, with lines put in its place of others.
 fn benchtop(changes: &[(&str, &str)]) -> Robot {
-    let text = BuiltIn::find(BuiltIn::DEFAULT).expect("the default").text;
+    changed(BuiltIn::DEFAULT, changes)
+}
+
+/// A built-in robot in which each line that begins as stated is another.
+pub(crate) fn changed(robot: &str, changes: &[(&str, &str)]) -> Robot {
+    let text = BuiltIn::find(robot).expect("built in").text;
     let line = |line: &str| {
         let change = changes.iter().find(|(start, _)| line.starts_with(start));
         change.map_or(line.to_owned(), |(_, new)| (*new).to_owned()) + "\n"
@@ -86,13 +91,13 @@ fn torque_at_rest(robot: Robot) -> f64 {
 
 #[test]
 fn an_arm_on_belts_at_rest_gives_little_torque() {
-    // Of the softest and of the stiffest belt it is more than that of a rigid arm.
+    // Of the softest belt it is more than that of a rigid arm.
     for (stiffness, most) in [
         (300.0, 12e-3),
         (700.0, 5e-3),
         (1250.0, 5e-3),
         (2500.0, 5e-3),
-        (5000.0, 0.1),
+        (5000.0, 6e-3),
     ] {
         let torque = torque_at_rest(with_belts(stiffness));
         assert!(torque < most && torque > 1e-6, "{stiffness}: {torque} N·m");
@@ -199,7 +204,7 @@ fn a_soft_belt_does_not_swing_after_a_fast_stop() {
         .map(|sample| sample.torque[0].abs())
         .fold(0.0, f64::max);
     println!("{greatest} m after 20 ms, {fastest} N·m");
-    assert!(greatest > 0.0 && greatest < 4e-6, "{greatest} m");
+    assert!(greatest > 0.0 && greatest < 4.5e-6, "{greatest} m");
 }
 
 #[test]
