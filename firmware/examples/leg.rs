@@ -6,7 +6,7 @@
 //! `cargo run --example leg`
 
 use fivebar_firmware::controller::{ArmController, Request};
-use fivebar_firmware::drives::{TorqueDrives, TorqueSample, TorqueSetPoint};
+use fivebar_firmware::drives::{DriveHealth, TorqueDrives, TorqueSample, TorqueSetPoint};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{CheckedSettings, HomeReference, HomingMethod};
 use fivebar_firmware::{ArmCommand, ArmSample, Move, MoveKind, Planner, Settings};
@@ -53,6 +53,7 @@ impl Drives {
             false => self.answers[0],
         };
         sample.drives.age = [age as u16; 2];
+        sample.drives.health = [DriveHealth::Drives; 2];
         sample
     }
 
@@ -101,6 +102,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     for axis in &mut settings.axes {
         axis.encoder_latency = AGE as f32 / settings.control.tick_rate;
+        // Their current loops have no lag.
+        axis.inductance = 1e-5 * axis.resistance;
     }
     let settings = settings.check()?;
     let mut leg = Leg {

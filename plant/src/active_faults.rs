@@ -13,6 +13,11 @@ pub(crate) struct ActiveFaults {
     pub(crate) driver_fault: [bool; 2],
     /// Full steps of which the driver is going to miss the pulses.
     pub(crate) missed_steps: [u32; 2],
+    /// Drives on a bus that take no part on it, and those that are about to reset.
+    pub(crate) cut_off: [bool; 2],
+    pub(crate) resets: [bool; 2],
+    /// The controller has left the bus.
+    pub(crate) bus_off: bool,
     pub(crate) emergency_stop: bool,
     /// Whether the emergency stop's contact is welded.
     pub(crate) stop_welded: bool,

@@ -189,6 +189,18 @@ pub enum FaultKind {
         /// The full steps.
         steps: u32,
     },
+    /// A drive on a bus takes no part on it any more: it neither answers nor hears.
+    CanSilent {
+        /// The joint.
+        joint: Joint,
+    },
+    /// A drive on a bus resets.
+    CanReset {
+        /// The joint.
+        joint: Joint,
+    },
+    /// The controller has left the bus after too many errors.
+    CanBusOff,
     /// The payload gets heavier, or lighter.
     PayloadChanges {
         /// The change of its mass [kg].

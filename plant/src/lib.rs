@@ -3,6 +3,7 @@
 mod active_faults;
 mod backlash;
 mod brake;
+mod can;
 mod causes;
 mod chain;
 pub mod contact;
@@ -32,6 +33,7 @@ mod transmission;
 mod wiring;
 mod worn_joints;
 
+pub use can::{BOOT, CanDrive, CanPlant, WATCHDOG, bits_on_bus};
 pub use chain::{Chain, JOINTS, PerJoint};
 pub use drive::DriveState;
 pub use drives::{Drives, Energy};

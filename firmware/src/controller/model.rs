@@ -118,7 +118,7 @@ impl Model {
             period,
             rest_ticks,
             per_rest_tick: 1.0 / rest_ticks as f32,
-            lag: D::lag(control, Stage::Moves),
+            lag: D::lag(settings, Stage::Moves),
             monitor: Monitor::new(settings),
             homing_configs: [
                 HomingConfig::new(axis1, settings),
@@ -206,11 +206,11 @@ impl AxisModel {
         let torque_per_current = axis.gear_ratio * axis.torque_constant;
         // The prediction bridges the encoder's latency, too.
         let servo = |share: f32, stage: Stage| {
-            let lag = D::lag(control, stage) + axis.encoder_latency;
+            let lag = D::lag(settings, stage) + axis.encoder_latency;
             Servo::new(control, [share, share], lag)
         };
         let belt = |share: f32, stage: Stage| {
-            let lag = D::lag(control, stage);
+            let lag = D::lag(settings, stage);
             let lags = [lag, lag + axis.encoder_latency];
             belt.law(axis, share, lags, 1.0 / control.tick_rate)
         };
@@ -233,7 +233,7 @@ impl AxisModel {
                 ..Servo::new(
                     control,
                     CROSSING,
-                    D::lag(control, Stage::Crosses) + axis.encoder_latency + CROSSING_LAG,
+                    D::lag(settings, Stage::Crosses) + axis.encoder_latency + CROSSING_LAG,
                 )
             },
             belts,

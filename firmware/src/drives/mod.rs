@@ -7,21 +7,22 @@
 //! | | needs | senses | lag |
 //! |---|---|---|---|
 //! | [`BrushedDrives`]: brushed motors on H-bridges | a torque | ADC codes of currents and bus voltage | of the current loop |
-//! | [`TorqueDrives`]: drives that close their own current loops | a torque | torques, and their age | of transmission |
+//! | [`TorqueDrives`]: drives that close their own current loops | a torque | torques, their age, errors | of transmission, a held torque, and the current loop |
 //! | [`StepDrives`]: step and direction for stepper motors | a motion | the micro-steps that are made | one tick |
 
 mod brushed;
+pub mod can;
 mod excitation;
 mod step;
 mod torque;
 
 use crate::safety::Fault;
-use crate::settings::{CheckedSettings, ControlSettings, Settings};
+use crate::settings::{CheckedSettings, Settings};
 pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
 use fivebar_kinematics::five_bar::Joint;
 pub use step::{StepCommand, StepDrives, StepSample};
-pub use torque::{OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
+pub use torque::{DriveHealth, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
 
 /// Ticks from one watch of a joint's drive to the next, see [`Drives::watch_heat`].
 pub const WATCHED_EVERY: u32 = 16;
@@ -118,7 +119,7 @@ pub trait Drives: Clone {
 
     /// The time from the end of a tick until its torque acts on a motor in this stage [s]: the set-point and the
     /// prediction of the joints lead by it.
-    fn lag(control: &ControlSettings, stage: Stage) -> f32;
+    fn lag(settings: &Settings, stage: Stage) -> f32;
 
     /// Takes the motors' heat over from drives with other settings: new settings cool no motor.
     fn keep_heat(&mut self, settings: &Settings, before: &Self, old: &Settings);

@@ -3,7 +3,7 @@
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
 use crate::drives::Demand;
 use crate::safety::Fault;
-use crate::settings::{CheckedSettings, ControlSettings, Settings};
+use crate::settings::{CheckedSettings, Settings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Joint;
@@ -67,8 +67,8 @@ impl Drives for StepDrives {
     }
 
     /// The steps of a tick end at its end.
-    fn lag(control: &ControlSettings, _: Stage) -> f32 {
-        1.0 / control.tick_rate
+    fn lag(settings: &Settings, _: Stage) -> f32 {
+        1.0 / settings.control.tick_rate
     }
 
     fn keep_heat(&mut self, _: &Settings, _: &Self, _: &Settings) {}

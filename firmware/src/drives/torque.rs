@@ -1,14 +1,30 @@
-//! Drives that close their own current loops, and take a torque: an ideal one, as what a drive on a bus is measured
-//! with.
+//! Drives that close their own current loops, and take a torque, as those on a bus do.
 
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
 use crate::drives::Demand;
 use crate::safety::Fault;
-use crate::settings::{CheckedSettings, ControlSettings, Settings};
+use crate::settings::{CheckedSettings, Settings};
 use fivebar_kinematics::five_bar::Joint;
 
-/// The oldest answer of a drive that is not a fault [ticks].
-pub const OLDEST_SAMPLE: u16 = 30;
+/// The oldest answer of a drive that is not a fault [s]. At 1 kHz both drives then give no torque within 3 ms of the last
+/// answer of one: it is missed in the second tick, and the command of that tick arrives before the third.
+pub const OLDEST_SAMPLE: f32 = 1.5e-3;
+
+/// Time from the end of a tick until its set-points are at both drives, in the mean [s]: on a bus of 1 Mbit/s they arrive
+/// after 0.12 ms, and 0.25 or 0.37 ms.
+const TRANSMISSION: f32 = 0.2e-3;
+
+/// What a drive tells of itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DriveHealth {
+    /// It gives no torque.
+    #[default]
+    Off,
+    /// It makes its torque.
+    Drives,
+    /// It has an error, and gives no torque.
+    Error,
+}
 
 /// What the drives answered last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,6 +33,10 @@ pub struct TorqueSample {
     pub torque: [f32; 2],
     /// Ticks since each answer was sensed; the counts of its encoder are as old.
     pub age: [u16; 2],
+    /// What each tells of itself.
+    pub health: [DriveHealth; 2],
+    /// The controller's part on the bus has met so many errors that it takes part no more.
+    pub bus_off: bool,
 }
 
 /// The torques that the drives should give until the next tick, at the joints [N·m].
@@ -29,17 +49,30 @@ pub struct TorqueSetPoint {
 /// Both torque drives. They guard their own motors: heat and over-current are theirs.
 ///
 /// The age of the counts that is usual belongs to the settings, as
-/// [`encoder_latency`](crate::settings::AxisSettings::encoder_latency); an answer older than [`OLDEST_SAMPLE`] is
-/// [`Fault::DriverFault`].
+/// [`encoder_latency`](crate::settings::AxisSettings::encoder_latency), and so does the lag of a drive's own current loop,
+/// as that of a winding: `inductance` over `resistance`. An answer older than [`OLDEST_SAMPLE`] is
+/// [`Fault::DriveSilent`].
 #[derive(Clone)]
 pub struct TorqueDrives {
     /// Measured at the joints [N·m].
     torque: [f32; 2],
     /// [N·m].
     set_point: [f32; 2],
-    is_old: bool,
+    /// What the sample shows by itself.
+    fault: Option<Fault>,
+    /// Whether one of them gives no torque.
+    is_off: bool,
+    /// [`OLDEST_SAMPLE`] [ticks].
+    oldest: u16,
     /// Motor current per joint torque, 1/(N k) [A/(N·m)].
     current_per_torque: [f32; 2],
+}
+
+impl TorqueDrives {
+    /// [`Drives::lag`] at this tick rate [Hz] with drives whose current loops have this lag [s].
+    pub fn lag_of(tick_rate: f32, loop_lag: f32) -> f32 {
+        TRANSMISSION + 0.5 / tick_rate + loop_lag
+    }
 }
 
 impl Drives for TorqueDrives {
@@ -47,23 +80,28 @@ impl Drives for TorqueDrives {
     type Command = TorqueSetPoint;
 
     const NEEDS: Needs = Needs::Torque;
-    /// They drive at once.
-    const WAKE_UP_TIME: f32 = 0.0;
+    /// From the order to give torque until a drive does, and tells it.
+    const WAKE_UP_TIME: f32 = 0.05;
 
     fn new(settings: &CheckedSettings) -> Self {
         let [axis1, axis4] = &settings.axes;
         Self {
             torque: [0.0; 2],
             set_point: [0.0; 2],
-            is_old: false,
+            fault: None,
+            is_off: true,
+            // `as` cuts.
+            oldest: (OLDEST_SAMPLE * settings.control.tick_rate) as u16,
             current_per_torque: [axis1, axis4]
                 .map(|axis| 1.0 / (axis.gear_ratio * axis.torque_constant)),
         }
     }
 
-    /// A set-point acts from the next tick on.
-    fn lag(control: &ControlSettings, _: Stage) -> f32 {
-        1.0 / control.tick_rate
+    /// A set-point travels to its drive, acts for a tick, in its mean half a tick later, and through the drive's loop.
+    fn lag(settings: &Settings, _: Stage) -> f32 {
+        let [axis1, axis4] = &settings.axes;
+        let [loop1, loop4] = [axis1, axis4].map(|axis| axis.inductance / axis.resistance);
+        Self::lag_of(settings.control.tick_rate, 0.5 * (loop1 + loop4))
     }
 
     fn keep_heat(&mut self, _: &Settings, _: &Self, _: &Settings) {}
@@ -73,22 +111,33 @@ impl Drives for TorqueDrives {
     #[inline(always)]
     fn sense(&mut self, sample: &TorqueSample) {
         let [age1, age4] = sample.age;
+        let [health1, health4] = sample.health;
         self.torque = sample.torque;
-        self.is_old = age1 > OLDEST_SAMPLE || age4 > OLDEST_SAMPLE;
+        self.is_off = health1 != DriveHealth::Drives || health4 != DriveHealth::Drives;
+        self.fault = if sample.bus_off {
+            Some(Fault::BusOff)
+        } else if age1 > self.oldest || age4 > self.oldest {
+            Some(Fault::DriveSilent)
+        } else if health1 == DriveHealth::Error || health4 == DriveHealth::Error {
+            Some(Fault::DriveError)
+        } else {
+            None
+        };
     }
 
-    /// A drive that is silent.
+    /// A drive that is silent, or tells an error; or the bus.
     #[inline(always)]
     fn drive_fault(&self) -> Option<Fault> {
-        self.is_old.then_some(Fault::DriverFault)
+        self.fault
     }
 
     fn supply_fault(&self) -> Option<Fault> {
         None
     }
 
+    /// A drive that should give torque and tells that it gives none.
     fn contradiction(&mut self, _: [JointState; 2]) -> Option<Fault> {
-        None
+        self.is_off.then_some(Fault::DriveError)
     }
 
     #[inline(always)]

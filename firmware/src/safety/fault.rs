@@ -87,6 +87,12 @@ pub enum Fault {
     BrownOut = 29,
     /// The controller restarted by its reset pin, by a debugger, or for a reason that it does not know.
     UnexpectedReset = 30,
+    /// A drive on the bus does not answer, or its answers come late.
+    DriveSilent = 31,
+    /// A drive on the bus tells an error, or gives no torque where it should.
+    DriveError = 32,
+    /// The controller has left the bus after too many errors: its wiring, or the drives' bit rate, is at fault.
+    BusOff = 33,
 }
 
 /// What a fault does to the arm.
@@ -145,7 +151,10 @@ impl Fault {
             | Self::Panic
             | Self::HardFault
             | Self::BrownOut
-            | Self::UnexpectedReset => Response::PowerOff,
+            | Self::UnexpectedReset
+            | Self::DriveSilent
+            | Self::DriveError
+            | Self::BusOff => Response::PowerOff,
         }
     }
 

@@ -274,6 +274,9 @@ fn what_the_board_finds() {
         (Fault::HardFault, 28),
         (Fault::BrownOut, 29),
         (Fault::UnexpectedReset, 30),
+        (Fault::DriveSilent, 31),
+        (Fault::DriveError, 32),
+        (Fault::BusOff, 33),
     ] {
         let mut rig = Rig::new(&settings());
         rig.controller.latch_fault(fault);
@@ -395,7 +398,7 @@ fn a_power_off_fault_replaces_one_that_holds() {
 #[test]
 fn numbers_are_stable_and_complete() {
     let numbers = Fault::all().map(Fault::number);
-    assert!(numbers.eq(1..=30));
+    assert!(numbers.eq(1..=33));
 }
 
 #[test]

@@ -3,16 +3,24 @@
 use fivebar_firmware::controller::{
     ArmController, Excitation, Excited, Request, RequestError, Status,
 };
-use fivebar_firmware::drives::{OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
+use fivebar_firmware::drives::{
+    DriveHealth, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,
+};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{ArmCommand, ArmSample, Settings};
 
+/// [`OLDEST_SAMPLE`] at 10 kHz [ticks].
+const OLDEST: u16 = (OLDEST_SAMPLE * 1e4) as u16;
+
 /// An arm that stands, whose drives answered so many ticks ago.
 fn standing(counts: [i32; 2], age: [u16; 2]) -> ArmSample<TorqueSample> {
-    let torque = [0.0; 2];
     ArmSample {
         counts,
-        drives: TorqueSample { torque, age },
+        drives: TorqueSample {
+            age,
+            health: [DriveHealth::Drives; 2],
+            ..TorqueSample::default()
+        },
         ..ArmSample::default()
     }
 }
@@ -25,8 +33,9 @@ fn pushing() -> ArmController<TorqueDrives> {
     for request in [Request::SetAngles([2.2, 0.9]), Request::Arm] {
         controller.request(request).expect("accepted");
     }
-    for _ in 0..5 {
-        controller.tick(&standing([20, -20], [OLDEST_SAMPLE, 0]));
+    // 50 ms until they are awake.
+    for _ in 0..510 {
+        controller.tick(&standing([20, -20], [OLDEST, 0]));
     }
     assert_eq!(controller.state(), State::Armed);
     controller
@@ -49,18 +58,55 @@ fn the_drives_get_the_torques_that_the_status_tells() {
 }
 
 #[test]
-fn a_drive_that_is_silent_stops_both_in_the_tick_in_which_its_answer_is_too_old() {
-    for age in [[OLDEST_SAMPLE + 1, 0], [0, OLDEST_SAMPLE + 1]] {
+fn what_a_drive_or_the_bus_shows_stops_both_in_its_tick() {
+    let sample = |change: fn(&mut TorqueSample)| {
+        let mut sample = standing([20, -20], [0; 2]);
+        change(&mut sample.drives);
+        sample
+    };
+    let late = |joint: usize| match joint {
+        0 => sample(|it| it.age[0] = OLDEST + 1),
+        _ => sample(|it| it.age[1] = OLDEST + 1),
+    };
+    for (sample, fault) in [
+        (late(0), Fault::DriveSilent),
+        (late(1), Fault::DriveSilent),
+        (sample(|it| it.health[0] = DriveHealth::Error), Fault::DriveError),
+        (sample(|it| it.health[1] = DriveHealth::Off), Fault::DriveError),
+        (sample(|it| it.bus_off = true), Fault::BusOff),
+    ] {
         let mut controller = pushing();
-        let command = controller.tick(&standing([20, -20], age));
+        let command = controller.tick(&sample);
         let safe = ArmCommand {
             drives: TorqueSetPoint::default(),
             enable: [false; 2],
             brake: true,
             tool: 0,
         };
-        assert_eq!(command, safe, "{age:?}");
-        assert_eq!(controller.status().fault, Some(Fault::DriverFault));
+        assert_eq!(command, safe, "{fault:?}");
+        assert_eq!(controller.status().fault, Some(fault));
+    }
+}
+
+#[test]
+fn a_drive_may_be_off_while_it_wakes_up_but_neither_silent_nor_in_error() {
+    let settings = Settings::BENCHTOP.check().expect("valid settings");
+    for (health, age, fault) in [
+        (DriveHealth::Off, 1, None),
+        (DriveHealth::Error, 1, Some(Fault::DriveError)),
+        (DriveHealth::Off, OLDEST + 1, Some(Fault::DriveSilent)),
+    ] {
+        let mut controller = ArmController::<TorqueDrives>::new(&settings);
+        let mut sample = standing([0; 2], [age; 2]);
+        sample.drives.health = [health; 2];
+        controller.tick(&sample);
+        for request in [Request::SetAngles([2.2, 0.9]), Request::Arm] {
+            controller.request(request).expect("accepted");
+        }
+        for _ in 0..400 {
+            controller.tick(&sample);
+        }
+        assert_eq!(controller.status().fault, fault, "{health:?}");
     }
 }
 

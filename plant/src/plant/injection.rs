@@ -101,6 +101,9 @@ impl Plant {
                 self.faults.slipping[joint] = Some(Slip { from, share });
             }
             StepLost { joint, steps } => self.faults.missed_steps[joint] += steps,
+            CanSilent { joint } => self.faults.cut_off[joint] = true,
+            CanReset { joint } => self.faults.resets[joint] = true,
+            CanBusOff => self.faults.bus_off = true,
             BeltBreaks { joint } => self.drives.iter_mut().for_each(|all| all.break_belt(joint)),
             PayloadChanges { kilograms } => self.model.change_payload(&mut self.state, kilograms),
             ToolCaught => self.faults.caught = Some(self.tool()),

@@ -64,6 +64,11 @@ pub enum TargetError {
          lower `max_speed` of [limits]"
     )]
     NeverHomed(f64),
+    /// The arm stands, and its moves are not done.
+    #[error(
+        "the arm has stood still for {0:.0} s, and its moves are not done: the controller does not begin them"
+    )]
+    NeverDone(f64),
     /// The user interrupted the run.
     #[error("the run was interrupted")]
     Interrupted,

@@ -4,13 +4,15 @@ use super::{JointHistory, Sample, SimulatedArm, TipError, Trace};
 use crate::link::{Target, TargetError};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{Move, Status};
+use fivebar_firmware::{Move, MoveKind, Status};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::PlantFault;
 use fivebar_plant::WornJoints;
 
 /// Longest simulated time of homing [s].
 const LONGEST_HOMING: f64 = 60.0;
+/// Longest time for which an armed arm stands before a move and takes none, besides the longest dwell [s].
+const LONGEST_STANDSTILL: f64 = 10.0;
 /// Time between homing and arming, in which the joints come to rest [s].
 const SETTLING: f64 = 0.1;
 /// Time that is simulated after the end of the job, or after a fault [s].
@@ -127,16 +129,26 @@ impl<'a, P: SimulatedArm, T: Target<P::Drives>> Simulation<'a, T, P> {
         let mut offered = 0;
         let every = (0.01 / self.period).ceil().max(1.0) as u64;
         let (mut at, mut way): (Option<[f32; 2]>, f64) = (None, 0.0);
+        let longest = LONGEST_STANDSTILL + longest_dwell(moves);
+        let mut advanced = self.now();
         loop {
             while let Some(next) = moves.get(offered) {
                 if !self.target.offer(next)? {
                     break;
                 }
                 offered += 1;
+                advanced = self.now();
             }
             let status = self.tick()?;
             if let (Some([x1, y1]), Some([x2, y2])) = (at, status.reference) {
-                way += f64::from((x2 - x1).hypot(y2 - y1));
+                let moved = f64::from((x2 - x1).hypot(y2 - y1));
+                way += moved;
+                if moved > 0.0 {
+                    advanced = self.now();
+                }
+            }
+            if self.now() - advanced > longest {
+                return Err(TargetError::NeverDone(longest));
             }
             at = status.reference.or(at);
             if self.record.ticks.is_multiple_of(every) {
@@ -233,4 +245,13 @@ impl<'a, P: SimulatedArm, T: Target<P::Drives>> Simulation<'a, T, P> {
         }
         record
     }
+}
+
+/// The longest time for which moves leave the arm standing [s].
+fn longest_dwell(moves: &[Move]) -> f64 {
+    let dwell = |next: &Move| match next.kind {
+        MoveKind::Dwell { duration } => f64::from(duration),
+        _ => 0.0,
+    };
+    moves.iter().map(dwell).fold(0.0, f64::max)
 }

@@ -2,6 +2,7 @@
 
 mod arm;
 mod by_cause;
+mod can_bus;
 mod control_loop;
 mod demo_scale;
 mod joints;
@@ -10,6 +11,7 @@ mod summary;
 mod trace;
 
 pub use arm::SimulatedArm;
+pub use can_bus::ArmOnBus;
 pub use by_cause::CauseError;
 pub use control_loop::{Record, Simulation};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
@@ -20,7 +22,7 @@ pub use trace::{Sample, Trace};
 use crate::link::{InProcess, Target, TargetError};
 use crate::time_optimal::{JobPlanner, TimeOptimalError};
 use fivebar_files::job::Job;
-use fivebar_files::robot::{HomeError, MissingMasses, SteppersOnly, robot_file_message};
+use fivebar_files::robot::{HomeError, MissingMasses, NotBrushed, robot_file_message};
 use fivebar_files::scenario::{RefusedModeChange, RefusedMove, Scenario, ScenarioError};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
@@ -49,9 +51,9 @@ pub enum RunError {
     /// The robot has no masses.
     #[error(transparent)]
     MissingMasses(#[from] MissingMasses),
-    /// The robot has steppers, and the run is of brushed motors.
+    /// The robot has other drives, and the run is of brushed motors.
     #[error(transparent)]
-    Steppers(#[from] SteppersOnly),
+    NotBrushed(#[from] NotBrushed),
     /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),
@@ -216,6 +218,11 @@ impl Simulate for Scenario {
                 &moves,
                 progress,
             );
+        }
+        if let Some(bus) = self.robot.can_bus() {
+            let arm = ArmOnBus::new(self, bus)?;
+            let moves = self.run_moves(job)?;
+            return run(self, &mut can_bus::controller(self)?, arm, &moves, progress);
         }
         let mut target = self.controller()?;
         self.run_on(&mut target, &self.run_moves(job)?, progress)

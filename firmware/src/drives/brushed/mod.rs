@@ -8,7 +8,7 @@ mod oscillation;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
 use crate::drives::Demand;
 use crate::safety::Fault;
-use crate::settings::{CheckedSettings, ControlSettings, Settings};
+use crate::settings::{CheckedSettings, Settings};
 use current_zeros::CurrentZeros;
 use fivebar_kinematics::Scalar;
 use fivebar_kinematics::control::Bus;
@@ -90,8 +90,8 @@ impl Drives for BrushedDrives {
     }
 
     /// The lag of the current loop, 1/ωc.
-    fn lag(control: &ControlSettings, stage: Stage) -> f32 {
-        1.0 / (bandwidth_share(stage) * control.current_bandwidth)
+    fn lag(settings: &Settings, stage: Stage) -> f32 {
+        1.0 / (bandwidth_share(stage) * settings.control.current_bandwidth)
     }
 
     fn keep_heat(&mut self, settings: &Settings, before: &Self, old: &Settings) {

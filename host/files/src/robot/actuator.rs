@@ -1,11 +1,16 @@
 //! `[[actuator]]` as written: the keys of every kind of drive, and which kind takes which.
 
+use super::can_torque::CanTorque;
 use super::file::Actuator;
 use super::stepper::Stepper;
+use super::settings::single;
 use crate::source::{Key, Refusals, Source};
+use fivebar_firmware::drives::can::Protocol;
+use fivebar_firmware::drives::can::mit::Ranges;
 use fivebar_plant::{EncoderSide, Harmonics, Stepper as Motor};
 use serde::Deserialize;
 use std::fmt;
+use DriveKind::{Brushed, CanTorque as Can, Stepper as Steps};
 
 /// What turns a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -16,6 +21,8 @@ pub enum DriveKind {
     Brushed,
     /// A stepper motor on a step and direction driver.
     Stepper,
+    /// A drive on a CAN bus that takes a torque.
+    CanTorque,
 }
 
 impl fmt::Display for DriveKind {
@@ -23,8 +30,17 @@ impl fmt::Display for DriveKind {
         f.write_str(match self {
             Self::Brushed => "brushed",
             Self::Stepper => "stepper",
+            Self::CanTorque => "can-torque",
         })
     }
+}
+
+/// What a drive on a bus speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum ProtocolName {
+    Odrive,
+    Mit,
 }
 
 /// `[[actuator]]` with every key of every kind.
@@ -66,29 +82,45 @@ pub(super) struct ActuatorFile {
     rated_current: Option<f64>,
     detent_torque: Option<f64>,
     torque_share: Option<f64>,
+    protocol: Option<ProtocolName>,
+    node: Option<u8>,
+    peak_torque: Option<f64>,
+    continuous_torque: Option<f64>,
+    max_speed: Option<f64>,
+    current_bandwidth: Option<f64>,
+    position_range: Option<f64>,
+    velocity_range: Option<f64>,
+    torque_range: Option<f64>,
 }
 
-/// Keys of brushed motors only.
-const OF_BRUSHED: [&str; 9] = [
-    "torque_constant",
-    "peak_current",
-    "continuous_current",
-    "thermal_time_constant",
-    "current_per_code",
-    "encoder_counts",
-    "encoder_side",
-    "encoder_latency",
-    "encoder_error",
-];
-
-/// Keys of steppers only.
-const OF_STEPPER: [&str; 6] = [
-    "steps_per_turn",
-    "microsteps",
-    "holding_torque",
-    "rated_current",
-    "detent_torque",
-    "torque_share",
+/// The keys that not every kind takes, each with the kinds that take it.
+const OF_SOME: [(&str, &[DriveKind]); 26] = [
+    ("torque_constant", &[Brushed, Can]),
+    ("encoder_counts", &[Brushed, Can]),
+    ("encoder_side", &[Brushed]),
+    ("encoder_latency", &[Brushed]),
+    ("encoder_error", &[Brushed, Can]),
+    ("peak_current", &[Brushed]),
+    ("continuous_current", &[Brushed]),
+    ("thermal_time_constant", &[Brushed]),
+    ("current_per_code", &[Brushed]),
+    ("resistance", &[Brushed, Steps]),
+    ("inductance", &[Brushed, Steps]),
+    ("steps_per_turn", &[Steps]),
+    ("microsteps", &[Steps]),
+    ("holding_torque", &[Steps]),
+    ("rated_current", &[Steps]),
+    ("detent_torque", &[Steps]),
+    ("torque_share", &[Steps]),
+    ("protocol", &[Can]),
+    ("node", &[Can]),
+    ("peak_torque", &[Can]),
+    ("continuous_torque", &[Can]),
+    ("max_speed", &[Can]),
+    ("current_bandwidth", &[Can]),
+    ("position_range", &[Can]),
+    ("velocity_range", &[Can]),
+    ("torque_range", &[Can]),
 ];
 
 /// Reads the keys of one section, and notes those that are missing.
@@ -110,18 +142,20 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// Keys of another kind are refused, so that none is without effect.
-    fn foreign(&mut self, names: &[&'static str], of: DriveKind) {
-        for &name in names {
+    /// Keys of other kinds are refused, so that none is without effect.
+    fn refuse_foreign(&mut self) {
+        for (name, kinds) in OF_SOME {
             let key = Key::Of("actuator", self.index, name);
-            if self.source.holds(key) {
-                let reason = format!(
-                    "is a key of kind \"{of}\", and this drive is of kind \"{}\": leave the key out, or write \
-                     kind = \"{of}\"",
-                    self.kind
-                );
-                self.refusals.add(self.source.refuse(key, reason));
+            if kinds.contains(&self.kind) || !self.source.holds(key) {
+                continue;
             }
+            let of: Vec<String> = kinds.iter().map(|kind| format!("\"{kind}\"")).collect();
+            let of = of.join(" or ");
+            let reason = format!(
+                "is a key of kind {of}, and this drive is of kind \"{}\": leave the key out, or write kind = {of}",
+                self.kind
+            );
+            self.refusals.add(self.source.refuse(key, reason));
         }
     }
 }
@@ -140,15 +174,11 @@ impl ActuatorFile {
             kind: self.kind,
             refusals,
         };
+        reader.refuse_foreign();
         match self.kind {
-            DriveKind::Brushed => {
-                reader.foreign(&OF_STEPPER, DriveKind::Stepper);
-                self.brushed(&mut reader)
-            }
-            DriveKind::Stepper => {
-                reader.foreign(&OF_BRUSHED, DriveKind::Brushed);
-                self.stepper(&mut reader)
-            }
+            DriveKind::Brushed => self.brushed(&mut reader),
+            DriveKind::Stepper => self.stepper(&mut reader),
+            DriveKind::CanTorque => self.can_torque(&mut reader),
         }
     }
 
@@ -162,8 +192,69 @@ impl ActuatorFile {
             continuous_current: reader.needed("continuous_current", self.continuous_current),
             thermal_time_constant: reader
                 .needed("thermal_time_constant", self.thermal_time_constant),
+            resistance: reader.needed("resistance", self.resistance),
+            inductance: reader.needed("inductance", self.inductance),
             ..self.any(reader)
         }
+    }
+
+    /// A drive on a bus, as the motor that the rest of the program knows: currents are its torques over the torque
+    /// constant, and its winding has the lag of its current loop.
+    fn can_torque(self, reader: &mut Reader<'_, '_>) -> Actuator {
+        let protocol = self.protocol(reader);
+        let node = reader.needed("node", self.node.map(f64::from)) as u8;
+        let peak_torque = reader.needed("peak_torque", self.peak_torque);
+        let continuous_torque = reader.needed("continuous_torque", self.continuous_torque);
+        let max_speed = reader.needed("max_speed", self.max_speed);
+        let torque_constant = self.torque_constant.unwrap_or(CanTorque::TORQUE_CONSTANT);
+        let bandwidth = self.current_bandwidth.unwrap_or(CanTorque::CURRENT_BANDWIDTH);
+        Actuator {
+            torque_constant,
+            resistance: CanTorque::RESISTANCE,
+            inductance: CanTorque::RESISTANCE / bandwidth,
+            encoder_counts: self.encoder_counts.unwrap_or_else(|| CanTorque::counts(&protocol)),
+            peak_current: peak_torque / torque_constant,
+            continuous_current: continuous_torque / torque_constant,
+            thermal_time_constant: CanTorque::HEATING,
+            can: Some(CanTorque {
+                protocol,
+                node,
+                peak_torque,
+                continuous_torque,
+                max_speed,
+                current_bandwidth: bandwidth,
+            }),
+            ..self.any(reader)
+        }
+    }
+
+    /// The protocol, with the ranges of MIT-type drives.
+    fn protocol(&self, reader: &mut Reader<'_, '_>) -> Protocol {
+        let ranges = [
+            ("position_range", self.position_range),
+            ("velocity_range", self.velocity_range),
+            ("torque_range", self.torque_range),
+        ];
+        if self.protocol == Some(ProtocolName::Mit) {
+            let [position, velocity, torque] =
+                ranges.map(|(name, range)| single(reader.needed(name, range)));
+            return Protocol::Mit(Ranges {
+                position,
+                velocity,
+                torque,
+            });
+        }
+        if self.protocol.is_none() {
+            let key = Key::Of("actuator", reader.index, "protocol");
+            let reason = "is missing: a drive of kind \"can-torque\" speaks \"odrive\" or \"mit\"";
+            reader.refusals.add(reader.source.refuse(key, reason));
+        }
+        for (name, _) in ranges.iter().filter(|(_, range)| range.is_some()) {
+            let key = Key::Of("actuator", reader.index, name);
+            let reason = "is a key of protocol \"mit\": with \"odrive\" leave it out";
+            reader.refusals.add(reader.source.refuse(key, reason));
+        }
+        Protocol::Odrive
     }
 
     /// A stepper, as the motor that the rest of the program knows: its holding torque at the rated current, and one
@@ -175,6 +266,8 @@ impl ActuatorFile {
         let steps_per_turn = self.steps_per_turn.unwrap_or(Stepper::STEPS_PER_TURN);
         let detent_torque = self.detent_torque.unwrap_or(0.0);
         let torque_share = self.torque_share.unwrap_or(Stepper::TORQUE_SHARE);
+        let resistance = reader.needed("resistance", self.resistance);
+        let inductance = reader.needed("inductance", self.inductance);
         let any = self.any(reader);
         let motor = Motor {
             steps_per_turn,
@@ -183,13 +276,15 @@ impl ActuatorFile {
             rotor_inertia: any.rotor_inertia,
             holding_torque,
             rated_current,
-            resistance: any.resistance,
-            inductance: any.inductance,
+            resistance,
+            inductance,
             detent_torque,
             encoder: false,
         };
         Actuator {
             torque_constant: motor.torque_constant(),
+            resistance,
+            inductance,
             encoder_counts: steps_per_turn.saturating_mul(microsteps),
             peak_current: rated_current,
             continuous_current: rated_current,
@@ -208,8 +303,8 @@ impl ActuatorFile {
             gear_ratio: reader.needed("gear_ratio", self.gear_ratio),
             rotor_inertia: reader.needed("rotor_inertia", self.rotor_inertia),
             torque_constant: 0.0,
-            resistance: reader.needed("resistance", self.resistance),
-            inductance: reader.needed("inductance", self.inductance),
+            resistance: 0.0,
+            inductance: 0.0,
             viscous_friction: self.viscous_friction,
             coulomb_friction: self.coulomb_friction,
             brake_torque: self.brake_torque,
@@ -226,6 +321,7 @@ impl ActuatorFile {
             encoder_latency: self.encoder_latency,
             encoder_error: self.encoder_error,
             stepper: None,
+            can: None,
         }
     }
 }

@@ -18,10 +18,10 @@ pub(super) const INERTIA_RANGE: [f64; 2] = [0.8, 1.3];
 pub(super) const PAYLOAD_RANGE: [f64; 2] = [0.0, 2.0];
 
 impl ControlFile {
-    /// The loops of joints behind belts; none for rigid drives and steppers, where the file gives bandwidths, and where no
+    /// The loops of joints behind belts; none for rigid drives and other than brushed motors, where the file gives bandwidths, and where no
     /// loop with the margins was found.
     pub(super) fn belts(&self, robot: &Robot) -> Option<[BeltTuning; 2]> {
-        if self.gives_bandwidths() || robot.has_steppers() {
+        if self.gives_bandwidths() || robot.brushed().is_err() {
             return None;
         }
         let drives = robot.drives().ok()?;

@@ -33,6 +33,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "icube",
     "pantograph_mk2",
     "duet",
+    "leg",
 ];
 
 impl BuiltIn {

@@ -8,8 +8,8 @@ use super::value::{
     POSITIVE, SHORTEST, at_least, finite, increasing, near, not_negative, positive, sized,
 };
 use super::{
-    Actuator, Control, Limits, Protection, Robot, Supply, Tool, ToolLimits, consistency, drive,
-    homing, stepper, tolerance, tool_output,
+    Actuator, Control, Limits, Protection, Robot, Supply, Tool, ToolLimits, can_torque,
+    consistency, drive, homing, stepper, tolerance, tool_output,
 };
 use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_firmware::settings::LONGEST_STOP;
@@ -21,7 +21,7 @@ use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
-    let file: RobotFile = source.parse()?;
+    let mut file: RobotFile = source.parse()?;
     // Every value is checked before the first refusal ends the reading.
     let mut refusals = Refusals::default();
     refusals.check(name(&source, &file.name));
@@ -33,7 +33,10 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         let geometry = refusals.noted(geometry(&source, links, file.base));
         (geometry, inertias(&source, links, &mut refusals))
     });
-    let actuators = actuators(&source, file.actuator, &mut refusals);
+    let mut actuators = actuators(&source, file.actuator, &mut refusals);
+    if let Ok(Some(actuators)) = &mut actuators {
+        can_torque::complete(actuators, &mut file.control);
+    }
     let sides = file.working_mode.each_ref().map(|name| side(&source, name));
     let [elbow1, elbow4] = sides.map(|side| refusals.noted(side));
     let tool_output = refusals.noted(tool_output::read(&source, &file.tool_output));
@@ -121,6 +124,7 @@ fn consistent(source: &Source<'_>, robot: &Robot, is_home_given: bool) -> Result
         refusals.check(home_fits(source, robot));
     }
     stepper::consistent(source, robot, &mut refusals);
+    can_torque::consistent(source, robot, &mut refusals);
     consistency::check(source, robot, &mut refusals);
     refusals.done()
 }
@@ -303,6 +307,7 @@ fn actuators(
             refusals.check(not_negative(source, key(name), value));
         }
         stepper::check(source, index, a, refusals);
+        can_torque::check(source, index, a, refusals);
         refusals.check(drive::check_brake(source, index, a));
         if !refusals.has_of("actuator", index) {
             refusals.check(drive::check(source, index, a));

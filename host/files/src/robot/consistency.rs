@@ -131,6 +131,9 @@ fn motors(robot: &Robot) -> Vec<InvalidValue> {
     let motors = robot.actuators.iter().flatten().enumerate();
     let invalid = motors.filter_map(|(index, motor)| {
         let key = |name| Key::Of("actuator", index, name);
+        if motor.can.is_some() {
+            return None;
+        }
         let [least, greatest] = WINDING;
         let winding = motor.inductance / motor.resistance;
         if !(least..=greatest).contains(&winding) {

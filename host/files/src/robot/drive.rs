@@ -21,10 +21,10 @@ impl Robot {
             actuators.map(|actuator| PlannedDrive {
                 viscous: actuator.viscous_friction,
                 coulomb: actuator.coulomb_friction,
-                // The supply limits a stepper by its pull-out torque.
-                torque_constant: match actuator.stepper {
-                    None => actuator.torque_constant * actuator.gear_ratio.abs(),
-                    Some(_) => 0.0,
+                // The supply limits a stepper by its pull-out torque, and a drive on a bus by its greatest speed.
+                torque_constant: match (actuator.stepper, actuator.can) {
+                    (None, None) => actuator.torque_constant * actuator.gear_ratio.abs(),
+                    _ => 0.0,
                 },
                 resistance: actuator.resistance,
             })

@@ -3,6 +3,7 @@
 //! All values are in SI units and radians. Unknown keys are refused.
 
 use super::actuator::ActuatorFile;
+use super::can_torque::CanTorque;
 use super::homing::HomeSearch;
 use super::stepper::Stepper;
 use super::tool_output::ToolOutputFile;
@@ -122,6 +123,9 @@ pub struct Actuator {
     /// What it has besides, if it is a stepper. Its holding torque is then that at the peak current, and its counts are
     /// micro-steps.
     pub stepper: Option<Stepper>,
+    /// What it has besides, if it is a drive on a bus. Its currents are then its torques over the torque constant, and its
+    /// winding has the lag of its current loop.
+    pub can: Option<CanTorque>,
 }
 
 /// Time in which a holding brake of this size engages or releases, if the file has none [s]: data

@@ -4,6 +4,7 @@
 mod actuator;
 mod belts;
 mod builtin;
+mod can_torque;
 mod check;
 mod consistency;
 mod crossing;
@@ -28,6 +29,7 @@ mod workspace;
 
 pub use actuator::DriveKind;
 pub use builtin::{BUILT_IN, BuiltIn};
+pub use can_torque::CanTorque;
 pub use consistency::robot_file_message;
 pub use crossing::CrossingRefusal;
 pub use draft::{Draft, DraftError, Motor};
@@ -37,7 +39,7 @@ pub use home_method::HomeMethod;
 pub use homing::HomeSearch;
 pub use measured::{Measured, MeasuredKey, measured_text, today};
 pub use slider::{Mechanism, SliderRobot};
-pub use stepper::{Stepper, SteppersOnly};
+pub use stepper::{NotBrushed, Stepper};
 pub use workspace::WorkspaceError;
 
 use crate::did_you_mean;

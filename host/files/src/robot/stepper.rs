@@ -35,13 +35,18 @@ impl Stepper {
     pub(super) const HEATING: f64 = 600.0;
 }
 
-/// The robot has steppers, where brushed motors are needed.
+/// The robot has other drives, where brushed motors are needed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "robot `{0}` has steppers: `fivebar sim` runs jobs on them, but no image of the firmware drives them yet, and \
+    "robot `{robot}` has {drives}: `fivebar sim` runs jobs on them, but no image of the firmware drives them yet, and \
      loops, logs and commissioning are of brushed motors"
 )]
-pub struct SteppersOnly(pub String);
+pub struct NotBrushed {
+    /// The robot's name.
+    pub robot: String,
+    /// Its drives.
+    drives: &'static str,
+}
 
 impl Robot {
     /// Its steppers, for the simulated arm.
@@ -86,12 +91,17 @@ impl Robot {
     /// The robot, for what needs brushed motors.
     ///
     /// # Errors
-    /// Its motors are steppers.
-    pub fn brushed(&self) -> Result<&Self, SteppersOnly> {
-        match self.has_steppers() {
-            true => Err(SteppersOnly(self.name.clone())),
-            false => Ok(self),
-        }
+    /// Its motors are steppers, or its drives are on a bus.
+    pub fn brushed(&self) -> Result<&Self, NotBrushed> {
+        let drives = if self.has_steppers() {
+            "steppers"
+        } else if self.can_drives().is_some() {
+            "drives on a CAN bus"
+        } else {
+            return Ok(self);
+        };
+        let robot = self.name.clone();
+        Err(NotBrushed { robot, drives })
     }
 }
 
@@ -166,7 +176,8 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
     let Some(actuators) = &robot.actuators else {
         return;
     };
-    if actuators[0].stepper.is_some() != actuators[1].stepper.is_some() {
+    let kind = |actuator: &Actuator| (actuator.stepper.is_some(), actuator.can.is_some());
+    if kind(&actuators[0]) != kind(&actuators[1]) {
         let reason = "must be the same for both joints";
         refusals.add(source.refuse(Key::Of("actuator", 1, "kind"), reason));
         return;

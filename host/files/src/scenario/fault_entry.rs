@@ -1,5 +1,6 @@
 //! `[[fault]]` of a scenario file: a fault to inject, and its time.
 
+use crate::robot::Robot;
 use crate::source::{FileError, Key, Source};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Parameters};
@@ -64,6 +65,9 @@ enum Kind {
     CouplingSlips,
     BeltBreaks,
     StepLost,
+    CanSilent,
+    CanReset,
+    CanBusOff,
     PayloadChanges,
     ToolCaught,
     TicksMissed,
@@ -306,6 +310,9 @@ impl FaultEntry {
                 joint: keys.joint()?,
                 steps: keys.steps()?,
             },
+            Kind::CanSilent => FaultKind::CanSilent { joint: joint()? },
+            Kind::CanReset => FaultKind::CanReset { joint: joint()? },
+            Kind::CanBusOff => FaultKind::CanBusOff,
             Kind::PayloadChanges => FaultKind::PayloadChanges {
                 kilograms: keys.finite(
                     "kilograms",
@@ -324,17 +331,25 @@ impl FaultEntry {
     pub(super) fn check_for(
         &self,
         parameters: &Parameters,
-        has_steppers: bool,
+        robot: &Robot,
         source: &Source<'_>,
         index: usize,
     ) -> Result<(), FileError> {
         let refused =
             |name, reason: &str| Err(source.refuse(Key::Of("fault", index, name), reason));
         let kind = self.fault(source, index)?.1;
+        let (has_steppers, is_on_bus) = (robot.has_steppers(), robot.can_drives().is_some());
         match kind {
             FaultKind::StepLost { .. } if !has_steppers => {
                 refused("kind", "needs an arm with steppers")
             }
+            _ if kind.is_of_bus() && !is_on_bus => {
+                refused("kind", "needs an arm with drives of kind \"can-torque\"")
+            }
+            _ if is_on_bus && !kind.is_of_torque_drives() => refused(
+                "kind",
+                "is of brushed motors or steppers, and this arm has drives on a CAN bus",
+            ),
             _ if has_steppers && !kind.is_of_steppers() => refused(
                 "kind",
                 "is of brushed motors and encoders, and this arm has steppers",

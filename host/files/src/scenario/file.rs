@@ -58,10 +58,18 @@ fn yes() -> bool {
     true
 }
 
-/// Refuses what is simulated on brushed motors only.
-fn check_steppers(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
-    let reason = "is simulated on brushed motors only, and this arm has steppers: leave it out";
-    if let Some(name) = file.mismatch.effect_without_steppers() {
+/// Refuses what is not simulated on an arm of this kind.
+fn check_kind(source: &Source<'_>, file: &ScenarioFile, robot: &Robot) -> Result<(), FileError> {
+    let (name, drives) = if robot.has_steppers() {
+        (file.mismatch.effect_without_steppers(), "steppers")
+    } else if robot.can_drives().is_some() {
+        (file.mismatch.effect_without_torque_drives(), "drives on a CAN bus")
+    } else {
+        return Ok(());
+    };
+    let reason =
+        format!("is simulated on brushed motors only, and this arm has {drives}: leave it out");
+    if let Some(name) = name {
         return Err(source.refuse(Key::In("mismatch", name), reason));
     }
     if file.wiring != Wiring::default() {
@@ -107,11 +115,9 @@ impl Scenario {
         if let Ok(parameters) = robot.plant_parameters() {
             let fits = file.mismatch.check_for(&parameters);
             fits.map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))?;
-            if robot.has_steppers() {
-                check_steppers(&source, &file)?;
-            }
+            check_kind(&source, &file, &robot)?;
             for (index, entry) in file.fault.iter().enumerate() {
-                entry.check_for(&parameters, robot.has_steppers(), &source, index)?;
+                entry.check_for(&parameters, &robot, &source, index)?;
             }
         }
         let job_file = beside(path, &file.job);

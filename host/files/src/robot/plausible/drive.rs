@@ -1,7 +1,7 @@
 //! Motors, gears, brakes and encoders, and the monitors that protect them.
 
 use super::Plausible;
-use crate::robot::{Actuator, Robot};
+use crate::robot::{Actuator, CanTorque, Robot};
 use crate::source::Key;
 use fivebar_firmware::settings::AxisField;
 use fivebar_kinematics::five_bar::Joint;
@@ -16,6 +16,12 @@ const MECHANICAL: [f64; 2] = [5e-5, 1.0];
 
 /// The natural frequency of a stepper's rotor without a load, from the highest on [Hz]; NEMA 8 to 34 have 80 to 500.
 const NATURAL: [f64; 2] = [2000.0, 20.0];
+
+/// The acceleration of the rotor of a drive on a bus by its peak torque, from the highest on [rad/s²].
+const ROTOR: [f64; 2] = [1e6, 300.0];
+
+/// The greatest speed of a drive on a bus over the one that its joint needs.
+const SPEED: [f64; 2] = [1.0, 100.0];
 
 /// The peak current as a multiple of the stall current V/R. At twice the stall current the motor brakes
 /// from its no-load speed.
@@ -62,9 +68,12 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
     let peak_torque = motor.peak_torque();
     let stall = voltage / motor.resistance;
     let braking = motor.torque_constant.powi(2) / motor.resistance;
-    let mut rules = electrics(robot, joint, motor, stall);
-    rules.push(match &motor.stepper {
-        None => Plausible::new(
+    let mut rules = match &motor.can {
+        None => electrics(robot, joint, motor, stall),
+        Some(drive) => torque_drive(robot, joint, motor, drive),
+    };
+    rules.push(match (&motor.stepper, &motor.can) {
+        (None, None) => Plausible::new(
             key("rotor_inertia"),
             (motor.rotor_inertia, "kg·m²"),
             MECHANICAL.map(|seconds| seconds * braking),
@@ -72,7 +81,14 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
              5e-5 to 1 s",
         )
         .or_zero(),
-        Some(stepper) => {
+        (None, Some(drive)) => Plausible::new(
+            key("rotor_inertia"),
+            (motor.rotor_inertia, "kg·m²"),
+            ROTOR.map(|acceleration| drive.peak_torque / acceleration),
+            "the `peak_torque` accelerates the rotor alone by 300 to 1e6 rad/s²",
+        )
+        .or_zero(),
+        (Some(stepper), _) => {
             Plausible::new(
                 key("rotor_inertia"),
                 (motor.rotor_inertia, "kg·m²"),
@@ -157,6 +173,31 @@ fn encoder(joint: Joint, motor: &Actuator) -> impl Iterator<Item = Plausible> {
     };
     let phases: Vec<_> = motor.encoder_error.terms().iter().map(phase).collect();
     std::iter::once(latency).chain(phases)
+}
+
+/// What a drive on a bus can.
+fn torque_drive(
+    robot: &Robot,
+    joint: Joint,
+    motor: &Actuator,
+    drive: &CanTorque,
+) -> Vec<Plausible> {
+    let key = |name| Key::Of("actuator", joint.index(), name);
+    let needed = robot.limits.max_speed[joint] * motor.gear_ratio.abs();
+    vec![
+        Plausible::new(
+            key("continuous_torque"),
+            (drive.continuous_torque, "N·m"),
+            CONTINUOUS.map(|share| share * drive.peak_torque),
+            "1/50 of `peak_torque`, to all of it",
+        ),
+        Plausible::new(
+            key("max_speed"),
+            (drive.max_speed, "rad/s"),
+            SPEED.map(|share| share * needed),
+            "1 to 100 times what the joint's `max_speed` of [limits] needs",
+        ),
+    ]
 }
 
 fn electrics(robot: &Robot, joint: Joint, motor: &Actuator, stall: f64) -> Vec<Plausible> {

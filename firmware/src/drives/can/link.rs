@@ -1,0 +1,216 @@
+//! The link between the tick and two drives on a bus: commands out, answers in, and how old these are.
+
+use super::{Frame, mit, odrive};
+use crate::drives::{DriveHealth, TorqueSample, TorqueSetPoint};
+use crate::settings::Settings;
+use core::f32::consts::TAU;
+use heapless::Vec;
+
+/// Frames that are sent in a tick, at most.
+pub const MOST_FRAMES: usize = 4;
+
+/// Heartbeats that may be missing.
+const MISSING_HEARTBEATS: f32 = 5.0;
+
+/// What the drives speak.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Protocol {
+    /// CANSimple of ODrive.
+    Odrive,
+    /// That of the MIT Mini Cheetah's drives, with the ranges of these.
+    Mit(mit::Ranges),
+}
+
+/// The link to the drives of joint 1 and joint 4.
+#[derive(Clone, Debug)]
+pub struct Link {
+    protocol: Protocol,
+    drives: [Drive; 2],
+    /// Ticks after which a drive without a heartbeat is silent.
+    heartbeat_ticks: u16,
+}
+
+/// What the link knows of one drive.
+#[derive(Clone, Debug)]
+struct Drive {
+    node: u8,
+    /// Motor turns per joint turn.
+    gear_ratio: f32,
+    /// Of the encoder.
+    counts_per_turn: f32,
+    counts: i32,
+    /// What it gives at its shaft [N·m]; ODrive has no room on the bus to tell it, and gives what it is asked for.
+    torque: f32,
+    health: DriveHealth,
+    /// Ticks since the last answer, and since the last heartbeat.
+    age: u16,
+    heartbeat_age: u16,
+    /// Ticks for which it is to give torque, at most [`STARTED`].
+    enabled: u8,
+    /// It has told once that it gives torque, so not telling it means that it gives none.
+    tells_state: bool,
+}
+
+/// Ticks after which a drive has got all that makes it give torque.
+const STARTED: u8 = 2;
+
+impl Link {
+    /// The link to the drives of these nodes, on an arm of these settings.
+    pub fn new(protocol: Protocol, nodes: [u8; 2], settings: &Settings) -> Self {
+        let [axis1, axis4] = &settings.axes;
+        let [node1, node4] = nodes;
+        let heartbeats = MISSING_HEARTBEATS * odrive::PERIOD;
+        Self {
+            protocol,
+            drives: [(axis1, node1), (axis4, node4)].map(|(axis, node)| Drive {
+                node,
+                gear_ratio: axis.gear_ratio,
+                counts_per_turn: axis.encoder_counts as f32,
+                counts: 0,
+                torque: 0.0,
+                health: DriveHealth::Off,
+                age: u16::MAX,
+                heartbeat_age: u16::MAX,
+                enabled: 0,
+                tells_state: false,
+            }),
+            // `as` saturates.
+            heartbeat_ticks: (heartbeats * settings.control.tick_rate) as u16,
+        }
+    }
+
+    /// Takes a frame from the bus over; those of others are ignored.
+    pub fn receive(&mut self, frame: &Frame) {
+        match &self.protocol {
+            Protocol::Odrive => {
+                if let Some((node, message)) = odrive::Message::decode(frame)
+                    && let Some(drive) = self.drives.iter_mut().find(|it| it.node == node)
+                {
+                    drive.told(&message);
+                }
+            }
+            Protocol::Mit(ranges) => {
+                if let Some(data) = &frame.data
+                    && let reply = mit::Reply::decode(data, ranges)
+                    && let Some(drive) = self.drives.iter_mut().find(|it| it.node == reply.node)
+                {
+                    drive.replied(&reply);
+                }
+            }
+        }
+    }
+
+    /// The drives' counts and the rest of a tick's sample, once in each tick: answers grow old by a tick.
+    pub fn sample(&mut self, bus_off: bool) -> ([i32; 2], TorqueSample) {
+        let needs_heartbeat = self.protocol == Protocol::Odrive;
+        for drive in &mut self.drives {
+            drive.age = drive.age.saturating_add(1);
+            drive.heartbeat_age = drive.heartbeat_age.saturating_add(1);
+        }
+        let [drive1, drive4] = &self.drives;
+        let age = |drive: &Drive| match needs_heartbeat {
+            true if drive.heartbeat_age > self.heartbeat_ticks => u16::MAX,
+            _ => drive.age,
+        };
+        let sample = TorqueSample {
+            torque: [drive1, drive4].map(|drive| drive.torque * drive.gear_ratio),
+            age: [age(drive1), age(drive4)],
+            health: [drive1.health, drive4.health],
+            bus_off,
+        };
+        ([drive1.counts, drive4.counts], sample)
+    }
+
+    /// The frames of a tick: commands first, so that the torques are at the drives as soon as can be.
+    pub fn send(&mut self, enable: [bool; 2], set_point: &TorqueSetPoint) -> Vec<Frame, MOST_FRAMES> {
+        let mut frames = Vec::new();
+        let [torque1, torque4] = set_point.torque;
+        let [enable1, enable4] = enable;
+        let [drive1, drive4] = &mut self.drives;
+        // Two drives have two frames each at most.
+        let _ = frames.push(drive1.command(&self.protocol, enable1, torque1));
+        let _ = frames.push(drive4.command(&self.protocol, enable4, torque4));
+        if self.protocol == Protocol::Odrive {
+            for drive in [drive1, drive4] {
+                let _ = frames.push(odrive::ask_for_estimates(drive.node));
+            }
+        }
+        frames
+    }
+}
+
+impl Drive {
+    /// This tick's command, for a torque at the joint [N·m].
+    fn command(&mut self, protocol: &Protocol, enable: bool, torque: f32) -> Frame {
+        let before = self.enabled;
+        self.enabled = match enable {
+            true if before < STARTED => before + 1,
+            true => before,
+            false => 0,
+        };
+        if !enable {
+            self.torque = 0.0;
+        }
+        let torque = torque / self.gear_ratio;
+        match (protocol, before, enable) {
+            (Protocol::Odrive, 0, true) => odrive::set_torque_mode(self.node),
+            (Protocol::Odrive, 1, true) => odrive::set_axis_state(self.node, odrive::CLOSED_LOOP),
+            (Protocol::Odrive, _, true) => {
+                self.torque = torque;
+                odrive::set_input_torque(self.node, torque)
+            }
+            // As long as it tells torque, in case the frame was lost.
+            (Protocol::Odrive, 0, false) if self.health != DriveHealth::Drives => {
+                // Its watchdog wants commands.
+                odrive::set_input_torque(self.node, 0.0)
+            }
+            (Protocol::Odrive, _, false) => odrive::set_axis_state(self.node, odrive::IDLE),
+            (Protocol::Mit(_), 0, true) => mit::enable(self.node, true),
+            (Protocol::Mit(ranges), _, true) => {
+                let command = mit::Command {
+                    torque,
+                    ..mit::Command::default()
+                };
+                Frame::new(self.node.into(), command.encode(ranges))
+            }
+            (Protocol::Mit(_), _, false) => mit::enable(self.node, false),
+        }
+    }
+
+    fn told(&mut self, message: &odrive::Message) {
+        match *message {
+            odrive::Message::Heartbeat { error, state } => {
+                self.heartbeat_age = 0;
+                self.health = match (error, state) {
+                    (0, odrive::CLOSED_LOOP) => DriveHealth::Drives,
+                    (0, _) => DriveHealth::Off,
+                    _ => DriveHealth::Error,
+                };
+            }
+            odrive::Message::Estimates { position, .. } => self.is_at(position),
+        }
+    }
+
+    fn replied(&mut self, reply: &mit::Reply) {
+        self.tells_state |= reply.is_enabled();
+        self.health = if reply.is_error() {
+            DriveHealth::Error
+        } else if reply.is_enabled() || !self.tells_state {
+            DriveHealth::Drives
+        } else {
+            DriveHealth::Off
+        };
+        self.torque = reply.torque;
+        self.is_at(reply.position / TAU);
+    }
+
+    /// An answer: the motor is at this position [turns]. One that is not a number is none.
+    fn is_at(&mut self, turns: f32) {
+        if turns.is_finite() {
+            let counts = turns * self.counts_per_turn;
+            // `as` saturates, and cuts towards 0.
+            self.counts = (counts + if counts < 0.0 { -0.5 } else { 0.5 }) as i32;
+            self.age = 0;
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! CANSimple, the protocol of ODrive (firmware 0.6).
+//!
+//! An identifier is 32 times the node, and the number of the message. Numbers are little-endian; positions and torques
+//! are of the motor's shaft.
+
+use super::{Frame, Payload};
+
+/// The greatest node.
+pub const MOST_NODE: u8 = 63;
+/// Time between two heartbeats of a drive [s]: its user sets `heartbeat_msg_rate_ms` to 10, and the rates of all other
+/// messages to 0.
+pub const PERIOD: f32 = 0.01;
+/// The state of an axis that gives no torque.
+pub const IDLE: u8 = 1;
+/// The state of an axis that makes its torque.
+pub const CLOSED_LOOP: u8 = 8;
+
+const HEARTBEAT: u16 = 0x01;
+const SET_AXIS_STATE: u16 = 0x07;
+const GET_ENCODER_ESTIMATES: u16 = 0x09;
+const SET_CONTROLLER_MODE: u16 = 0x0B;
+const SET_INPUT_TORQUE: u16 = 0x0E;
+
+/// Control mode and input mode: the torque is what the last message asks for.
+const TORQUE_CONTROL: u32 = 1;
+const PASS_THROUGH: u32 = 1;
+
+const fn id(node: u8, message: u16) -> u16 {
+    (node as u16) << 5 | message
+}
+
+/// Two numbers of 32 bits.
+const fn pair(first: [u8; 4], second: [u8; 4]) -> Payload {
+    let ([a, b, c, d], [e, f, g, h]) = (first, second);
+    [a, b, c, d, e, f, g, h]
+}
+
+const fn halves(data: Payload) -> ([u8; 4], [u8; 4]) {
+    let [a, b, c, d, e, f, g, h] = data;
+    ([a, b, c, d], [e, f, g, h])
+}
+
+/// Asks for a torque [N·m] of the motor.
+pub const fn set_input_torque(node: u8, torque: f32) -> Frame {
+    let data = pair(torque.to_le_bytes(), [0; 4]);
+    Frame::new(id(node, SET_INPUT_TORQUE), data)
+}
+
+/// Asks for a state of the axis.
+pub const fn set_axis_state(node: u8, state: u8) -> Frame {
+    let data = pair([state, 0, 0, 0], [0; 4]);
+    Frame::new(id(node, SET_AXIS_STATE), data)
+}
+
+/// Makes torques what the drive follows.
+pub const fn set_torque_mode(node: u8) -> Frame {
+    let data = pair(TORQUE_CONTROL.to_le_bytes(), PASS_THROUGH.to_le_bytes());
+    Frame::new(id(node, SET_CONTROLLER_MODE), data)
+}
+
+/// Asks where the motor is.
+pub const fn ask_for_estimates(node: u8) -> Frame {
+    Frame {
+        id: id(node, GET_ENCODER_ESTIMATES),
+        data: None,
+    }
+}
+
+/// What a drive tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Message {
+    /// Sent by itself, see [`PERIOD`].
+    Heartbeat {
+        /// Error flags of the axis; 0: none.
+        error: u32,
+        /// Its state.
+        state: u8,
+    },
+    /// Where the motor is.
+    Estimates {
+        /// [turns].
+        position: f32,
+        /// [turns/s].
+        velocity: f32,
+    },
+}
+
+impl Message {
+    /// What the frame of a drive tells, and the drive's node; none of frames that are not used here.
+    pub const fn decode(frame: &Frame) -> Option<(u8, Self)> {
+        let Some(data) = frame.data else {
+            return None;
+        };
+        let (first, second) = halves(data);
+        let message = match frame.id & 0x1F {
+            HEARTBEAT => {
+                let [state, ..] = second;
+                let error = u32::from_le_bytes(first);
+                Self::Heartbeat { error, state }
+            }
+            GET_ENCODER_ESTIMATES => Self::Estimates {
+                position: f32::from_le_bytes(first),
+                velocity: f32::from_le_bytes(second),
+            },
+            _ => return None,
+        };
+        Some(((frame.id >> 5) as u8, message))
+    }
+}

@@ -1,0 +1,264 @@
+//! Torque drives on a CAN bus: what is known of them, and their checks.
+
+use super::file::ControlFile;
+use super::value::positive;
+use super::{Actuator, HomeMethod, Robot};
+use crate::source::{Key, Refusals, Source};
+use fivebar_firmware::drives::can::{
+    BIT_RATE, MOST_LOAD, Protocol, mit, most_load, odrive, sensed_after,
+};
+use fivebar_firmware::drives::{OLDEST_SAMPLE, TorqueDrives};
+use fivebar_kinematics::five_bar::Joint;
+use fivebar_plant::CanDrive;
+use std::f64::consts::TAU;
+
+/// A drive on a bus, and what it can. Torques and speeds are of its shaft, before `gear_ratio`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CanTorque {
+    /// What it speaks.
+    pub protocol: Protocol,
+    /// Its number on the bus.
+    pub node: u8,
+    /// [N·m].
+    pub peak_torque: f64,
+    /// [N·m].
+    pub continuous_torque: f64,
+    /// [rad/s].
+    pub max_speed: f64,
+    /// Bandwidth of its current loop [rad/s].
+    pub current_bandwidth: f64,
+}
+
+/// Bandwidths of current loops [rad/s].
+const BANDWIDTHS: [f64; 2] = [200.0, 20_000.0];
+
+impl CanTorque {
+    /// Without one in the file, a torque of 1 N·m is told as a current of 1 A [N·m/A].
+    pub(super) const TORQUE_CONSTANT: f64 = 1.0;
+    /// That of ODrive as delivered, `current_control_bandwidth` [rad/s].
+    pub(super) const CURRENT_BANDWIDTH: f64 = 1000.0;
+    /// No winding is seen through a drive; its resistance only gives the lag of the loop its inductance [Ω].
+    pub(super) const RESISTANCE: f64 = 1e-3;
+    /// Drives guard their own motors: no model of heat does [s].
+    pub(super) const HEATING: f64 = 600.0;
+    /// Ticks in a second that the bus has room for [Hz].
+    pub(super) const TICK_RATE: f64 = 1000.0;
+
+    /// Counts per turn of the shaft: of the 14 bits of ODrive's own encoder, or those that the protocol tells.
+    pub(super) fn counts(protocol: &Protocol) -> u32 {
+        match protocol {
+            Protocol::Odrive => 16_384,
+            Protocol::Mit(ranges) => {
+                (65_535.0 * TAU / (2.0 * f64::from(ranges.position))).round() as u32
+            }
+        }
+    }
+
+    /// The greatest node.
+    fn most_node(&self) -> u8 {
+        match self.protocol {
+            Protocol::Odrive => odrive::MOST_NODE,
+            Protocol::Mit(_) => mit::MOST_NODE,
+        }
+    }
+}
+
+impl Robot {
+    /// Its drives on a bus; none if its joints are turned by others.
+    pub fn can_drives(&self) -> Option<[CanTorque; 2]> {
+        let [first, second] = self.actuators.as_ref()?;
+        Some([first.can?, second.can?])
+    }
+
+    /// What its drives speak, and the drives of the simulated arm.
+    pub fn can_bus(&self) -> Option<(Protocol, [CanDrive; 2])> {
+        let (drives, actuators) = (self.can_drives()?, self.actuators?);
+        let drive = |j: Joint| CanDrive {
+            node: drives[j].node,
+            gear_ratio: actuators[j].gear_ratio,
+            rotor_inertia: actuators[j].rotor_inertia,
+            peak_torque: drives[j].peak_torque,
+            lag: 1.0 / drives[j].current_bandwidth,
+        };
+        Some((drives[0].protocol, Joint::ALL.map(drive)))
+    }
+}
+
+/// The age of each drive's answer when a tick takes it [s].
+fn ages(drives: &[Actuator; 2], tick_rate: f64) -> Option<[f64; 2]> {
+    let [first, second] = [drives[0].can?, drives[1].can?];
+    let sensed = sensed_after(&first.protocol, [first.node, second.node]);
+    Some(sensed.map(|after| (1.0 / tick_rate - f64::from(after)).max(0.0)))
+}
+
+/// Notes the age of the answers, as the latency of the encoders, and gives the loops what the bus allows.
+pub(super) fn complete(actuators: &mut [Actuator; 2], control: &mut ControlFile) {
+    let tick_rate = control.tick_rate.unwrap_or(CanTorque::TICK_RATE);
+    let Some(ages) = ages(actuators, tick_rate) else {
+        return;
+    };
+    for (actuator, age) in actuators.iter_mut().zip(ages) {
+        actuator.encoder_latency = age;
+    }
+    control.tick_rate = Some(tick_rate);
+    let lag_of = |actuator: &Actuator| {
+        let lag = TorqueDrives::lag_of(tick_rate as f32, (actuator.inductance / actuator.resistance) as f32);
+        actuator.encoder_latency + f64::from(lag)
+    };
+    let lag = lag_of(&actuators[0]).max(lag_of(&actuators[1]));
+    control.complete_by_lag(lag, tick_rate);
+}
+
+/// Checks each drive by itself.
+pub(super) fn check(
+    source: &Source<'_>,
+    index: usize,
+    actuator: &Actuator,
+    refusals: &mut Refusals,
+) {
+    let Some(drive) = &actuator.can else {
+        return;
+    };
+    let key = |name| Key::Of("actuator", index, name);
+    if drive.node > drive.most_node() {
+        let most = drive.most_node();
+        let reason = format!("must be 0 to {most} in this protocol, not {}", drive.node);
+        refusals.add(source.refuse(key("node"), reason));
+    }
+    for (name, value) in [
+        ("peak_torque", drive.peak_torque),
+        ("continuous_torque", drive.continuous_torque),
+        ("max_speed", drive.max_speed),
+        ("current_bandwidth", drive.current_bandwidth),
+    ] {
+        refusals.check(positive(source, key(name), value));
+    }
+    let [least, greatest] = BANDWIDTHS;
+    if !(least..=greatest).contains(&drive.current_bandwidth) {
+        let reason = format!(
+            "of the drive's current loop must be {least:.0} to {greatest:.0} rad/s, not {:?} rad/s",
+            drive.current_bandwidth
+        );
+        refusals.add(source.refuse(key("current_bandwidth"), reason));
+    }
+    if drive.continuous_torque > drive.peak_torque {
+        let reason = format!(
+            "must be at most `peak_torque`, {:?} N·m, not {:?} N·m",
+            drive.peak_torque, drive.continuous_torque
+        );
+        refusals.add(source.refuse(key("continuous_torque"), reason));
+    }
+    if let Protocol::Mit(ranges) = drive.protocol {
+        for (name, range, needed, of, unit) in [
+            ("torque_range", ranges.torque, drive.peak_torque, "peak_torque", "N·m"),
+            ("velocity_range", ranges.velocity, drive.max_speed, "max_speed", "rad/s"),
+        ] {
+            refusals.check(positive(source, key(name), range.into()));
+            if f64::from(range) < needed {
+                let reason = format!(
+                    "must be at least `{of}`, {needed:?} {unit}, not {range:?} {unit}: the frames hold no more"
+                );
+                refusals.add(source.refuse(key(name), reason));
+            }
+        }
+        refusals.check(positive(source, key("position_range"), ranges.position.into()));
+    }
+}
+
+/// Checks the drives of a robot with each other, its bus, its speeds and its weight.
+pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
+    let (Some(actuators), Some([first, second])) = (&robot.actuators, robot.can_drives()) else {
+        return;
+    };
+    let of_second = |name| Key::Of("actuator", 1, name);
+    if first.protocol != second.protocol {
+        let reason = "must be the same for both drives, with the same ranges: they share a bus and a tick";
+        refusals.add(source.refuse(of_second("protocol"), reason));
+    }
+    if first.node == second.node {
+        let reason = format!(
+            "is {}, as that of the other drive: both would answer each command; give one of them another number",
+            second.node
+        );
+        refusals.add(source.refuse(of_second("node"), reason));
+    }
+    bus(source, robot, &first.protocol, refusals);
+    if robot.homing.method == HomeMethod::Index {
+        let reason = "is \"index\", and the drives tell no index pulse: use \"absolute\", \"switch\" or \"given\"";
+        refusals.add(source.refuse(Key::In("homing", "method"), reason));
+    }
+    let weight = robot.home_pose().ok().zip(robot.arm);
+    let weight = weight.and_then(|(home, arm)| arm.gravity_torque(&home).ok());
+    for joint in Joint::ALL {
+        let (actuator, drive) = (&actuators[joint], [first, second][joint.index()]);
+        let key = |name| Key::Of("actuator", joint.index(), name);
+        let gear = actuator.gear_ratio.abs();
+        let weight = weight.map_or(0.0, |torques| torques[joint.index()].abs());
+        for (name, torque) in [
+            ("peak_torque", drive.peak_torque),
+            ("continuous_torque", drive.continuous_torque),
+        ] {
+            if weight > torque * gear {
+                let reason = format!(
+                    "cannot hold {joint} against gravity: at home it needs {weight:.3} N·m at the joint, and the drive \
+                     gives {:.3} N·m there: take a stronger one, or a greater `gear_ratio`",
+                    torque * gear
+                );
+                refusals.add(source.refuse(key(name), reason));
+                break;
+            }
+        }
+        let speed = robot.limits.max_speed[joint];
+        if speed * gear > drive.max_speed {
+            let reason = format!(
+                "of {joint} needs {:.1} rad/s of the drive, and its `max_speed` is {:?} rad/s: lower it to {:.3} rad/s",
+                speed * gear,
+                drive.max_speed,
+                drive.max_speed / gear
+            );
+            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+        }
+        if let Protocol::Mit(ranges) = drive.protocol {
+            let range = f64::from(ranges.position);
+            let home = robot.home[joint];
+            let ends = robot.limits.angle[joint].map(|angle| (angle - home).abs() * gear);
+            let most = ends[0].max(ends[1]);
+            if most > range {
+                let reason = format!(
+                    "of {range:?} rad ends before {joint} does: its `angle` of [limits] is up to {most:.2} rad of the \
+                     drive from home"
+                );
+                refusals.add(source.refuse(key("position_range"), reason));
+            }
+        }
+    }
+}
+
+/// Whether the bus has room for every tick, and answers are young enough.
+fn bus(source: &Source<'_>, robot: &Robot, protocol: &Protocol, refusals: &mut Refusals) {
+    let tick_rate = robot.control.tick_rate;
+    let load = f64::from(most_load(protocol, tick_rate as f32));
+    let most = f64::from(MOST_LOAD);
+    let key = Key::In("control", "tick_rate");
+    if load > most {
+        let reason = format!(
+            "is {tick_rate:?} Hz, at which the frames of both drives take up to {:.0} % of a bus of {} Mbit/s: at most \
+             {:.0} % leave room for frames that are sent again; {:.0} Hz do",
+            100.0 * load,
+            BIT_RATE / 1e6,
+            100.0 * most,
+            CanTorque::TICK_RATE
+        );
+        refusals.add(source.refuse(key, reason));
+    }
+    let least = 1.0 / f64::from(OLDEST_SAMPLE);
+    if tick_rate < least {
+        let reason = format!(
+            "is {tick_rate:?} Hz: the drives answer once in a tick, and an answer older than {:.1} ms is a fault; at \
+             least {:.0} Hz are needed",
+            1e3 * f64::from(OLDEST_SAMPLE),
+            least.ceil()
+        );
+        refusals.add(source.refuse(key, reason));
+    }
+}

@@ -1,0 +1,61 @@
+//! Arms with torque drives on a CAN bus.
+
+mod bus;
+mod drive;
+mod plant;
+mod protocol;
+
+use crate::fault::FaultKind;
+use crate::mismatch::Mismatch;
+pub use bus::bits_on_bus;
+pub use drive::{BOOT, CanDrive, WATCHDOG};
+pub use plant::CanPlant;
+
+impl Mismatch {
+    /// The name of the first effect that is simulated with brushed motors only.
+    pub fn effect_without_torque_drives(&self) -> Option<&'static str> {
+        let effects = [
+            ("torque_ripple", self.torque_ripple == [0.0; 2]),
+            ("cogging", self.cogging == [0.0; 2]),
+            ("supply_resistance", self.supply_resistance == 0.0),
+        ];
+        effects
+            .into_iter()
+            .find_map(|(name, is_exact)| (!is_exact).then_some(name))
+    }
+}
+
+impl FaultKind {
+    /// Whether it can happen to an arm with torque drives on a bus.
+    pub fn is_of_torque_drives(&self) -> bool {
+        self.is_of_bus()
+            || matches!(
+                self,
+                Self::EncoderDead { .. }
+                    | Self::EncoderJump { .. }
+                    | Self::EncoderGain { .. }
+                    | Self::EncoderNoise { .. }
+                    | Self::SwitchStuck { .. }
+                    | Self::MotorDisconnected { .. }
+                    | Self::MotorStalled { .. }
+                    | Self::CouplingSlips { .. }
+                    | Self::BeltBreaks { .. }
+                    | Self::EmergencyStop
+                    | Self::EmergencyStopWelded
+                    | Self::BrakeStuck { .. }
+                    | Self::BrakeLate { .. }
+                    | Self::BrakeFails { .. }
+                    | Self::PayloadChanges { .. }
+                    | Self::ToolCaught
+                    | Self::TicksMissed { .. }
+            )
+    }
+
+    /// Whether it needs a bus.
+    pub fn is_of_bus(&self) -> bool {
+        matches!(
+            self,
+            Self::CanSilent { .. } | Self::CanReset { .. } | Self::CanBusOff
+        )
+    }
+}

@@ -1,0 +1,275 @@
+//! The arm with two torque drives on a bus, one tick at a time.
+//!
+//! It is a [`Plant`] whose bridges are off, as an arm with steppers is; the drives' torques act on its rotors. A tick is
+//! cut where a frame ends: there a drive takes its set-point over, or senses its motor and puts its answer on the bus.
+
+use super::bus::Bus;
+use super::drive::{CanDrive, DriveOnBus};
+use super::protocol::{Answer, Order, answer, by_itself, orders};
+use crate::drives::Drives;
+use crate::mismatch::Mismatch;
+use crate::motor::Motor;
+use crate::parameters::Parameters;
+use crate::plant::Plant;
+use fivebar_design::Noise;
+use fivebar_firmware::drives::BrushedCommand;
+use fivebar_firmware::drives::can::{Frame, Protocol, odrive};
+use fivebar_firmware::settings::{HomingMethod, Share};
+use fivebar_firmware::{ActuatorCommand, ArmSample};
+use fivebar_kinematics::five_bar::{Joint, Pose};
+use nalgebra::Vector2;
+
+/// The longest integration step [s]: a twentieth of the lag of a fast drive's current loop.
+const LONGEST_STEP: f64 = 5e-5;
+/// What is left of a tick by rounding is shorter [s].
+const SHORTEST_STEP: f64 = 1e-12;
+/// The controller as a sender on the bus; the drives follow.
+const CONTROLLER: usize = 0;
+
+/// An arm with two torque drives on a CAN bus.
+#[derive(Clone, Debug)]
+pub struct CanPlant {
+    arm: Plant,
+    protocol: Protocol,
+    drives: [DriveOnBus; 2],
+    bus: Bus,
+    /// Frames that the controller has received since it last took them.
+    received: Vec<Frame>,
+    /// Counts per turn of each drive's shaft, and the counts where it tells 0.
+    counts_per_turn: [f64; 2],
+    zero: [i32; 2],
+    /// Of the settings [N·m/A].
+    torque_constant: [f64; 2],
+    /// By this factor the drives make other torques than they tell.
+    torque_factor: [f64; 2],
+    /// Time until each drive sends its next frame by itself [s].
+    until_told: [f64; 2],
+    /// The share of the frames that an error hits.
+    error_share: f64,
+    noise: Noise,
+}
+
+impl CanPlant {
+    /// The arm with these drives and this mismatch, at rest in `pose`. Gear ratio and inertia are the drives', and they
+    /// tell the angles without the latency of `parameters`: their bus has its own. An excess of the torque constant is
+    /// one of the torque. `seed` starts the noise.
+    pub fn new(
+        parameters: &Parameters,
+        (protocol, drives): (Protocol, [CanDrive; 2]),
+        mismatch: &Mismatch,
+        pose: &Pose<f64>,
+        seed: u64,
+    ) -> Self {
+        let mut parameters = parameters.clone();
+        for (motor, drive) in parameters.motors.iter_mut().zip(&drives) {
+            *motor = Motor {
+                gear_ratio: drive.gear_ratio,
+                rotor_inertia: drive.rotor_inertia,
+                // No brushed motor: a winding without effect, which needs no short step.
+                torque_constant: 0.0,
+                resistance: 1.0,
+                inductance: 1.0,
+                ..*motor
+            };
+        }
+        for encoder in &mut parameters.encoders {
+            encoder.latency = 0.0;
+        }
+        let mut arm = Plant::new(&parameters, mismatch, pose, seed);
+        arm.drives = Some(Drives::new(&parameters, mismatch, arm.model(), arm.state()));
+        let settings = &parameters.settings;
+        let zero = match settings.home_reference.method {
+            HomingMethod::Absolute => [0; 2],
+            _ => arm.sense().counts,
+        };
+        let follows = protocol != Protocol::Odrive;
+        Self {
+            arm,
+            protocol,
+            drives: drives.map(|drive| DriveOnBus::new(drive, follows)),
+            bus: Bus::default(),
+            received: Vec::new(),
+            counts_per_turn: settings.axes.map(|axis| axis.encoder_counts.into()),
+            zero,
+            torque_constant: settings.axes.map(|axis| axis.torque_constant.into()),
+            torque_factor: mismatch.torque_constant.map(|excess| 1.0 + excess),
+            until_told: [0.0; 2],
+            error_share: 0.0,
+            noise: Noise::new(seed),
+        }
+    }
+
+    /// Lets errors hit this share of the frames, which are then sent again.
+    pub fn disturb(&mut self, share: f64) {
+        self.error_share = share;
+    }
+
+    /// Advances by one tick of `period` [s], at whose beginning the controller sends these frames, and by the ticks that
+    /// it misses, in which it sends none.
+    pub fn step(&mut self, frames: &[Frame], brake: bool, tool: Share, period: f64) {
+        let missed = self.arm.begin_tick();
+        for j in Joint::ALL {
+            if self.arm.faults.cut_off[j] {
+                self.drives[j].cut_off();
+                self.bus.forget(sender(j));
+            }
+            if std::mem::take(&mut self.arm.faults.resets[j]) {
+                self.drives[j].reset();
+                self.bus.forget(sender(j));
+            }
+        }
+        if self.is_bus_off() {
+            self.bus.forget(CONTROLLER);
+        } else {
+            for &frame in frames {
+                self.bus.put(CONTROLLER, frame);
+            }
+        }
+        let command = ActuatorCommand {
+            drives: BrushedCommand::default(),
+            enable: [false; 2],
+            brake,
+            tool,
+        };
+        for _ in 0..=missed {
+            self.tick(&command, period);
+        }
+    }
+
+    fn tick(&mut self, command: &ActuatorCommand, period: f64) {
+        for j in Joint::ALL {
+            self.until_told[j] -= period;
+            if self.until_told[j] <= 0.0 && !self.drives[j].is_silent() {
+                self.until_told[j] += f64::from(odrive::PERIOD);
+                let told = self.told(j);
+                if let Some(frame) = by_itself(&self.protocol, &told) {
+                    self.bus.put(sender(j), frame);
+                }
+            }
+        }
+        let mut left = period;
+        while left > SHORTEST_STEP {
+            let (share, noise) = (self.error_share, &mut self.noise);
+            self.bus.begin(|| share > 0.0 && noise.uniform() < share);
+            let step = left.min(LONGEST_STEP);
+            let step = self.bus.time_left().map_or(step, |end| end.min(step));
+            self.advance(command, step);
+            left -= step;
+            if let Some((from, frame)) = self.bus.pass(step) {
+                self.arrive(from, &frame);
+            }
+        }
+    }
+
+    /// One step of the mechanics by the drives' torques.
+    fn advance(&mut self, command: &ActuatorCommand, time: f64) {
+        let torque = Joint::ALL.map(|j| {
+            let is_powered = self.arm.is_powered(j);
+            let drive = &mut self.drives[j];
+            self.torque_factor[j] * drive.drive.gear_ratio * drive.pass(time, is_powered)
+        });
+        if let Some(drives) = &mut self.arm.drives {
+            drives.motor_torque = torque;
+        }
+        self.arm.advance(command, time);
+    }
+
+    /// A frame has gone over the bus.
+    fn arrive(&mut self, from: usize, frame: &Frame) {
+        if from != CONTROLLER {
+            if !self.is_bus_off() {
+                self.received.push(*frame);
+            }
+            return;
+        }
+        for j in Joint::ALL {
+            if self.drives[j].is_silent() {
+                continue;
+            }
+            for order in orders(&self.protocol, frame, self.drives[j].drive.node) {
+                self.drives[j].obey(order);
+                if order == Order::Tell {
+                    let told = self.told(j);
+                    self.bus.put(sender(j), answer(&self.protocol, &told));
+                }
+            }
+        }
+    }
+
+    /// What a drive tells now.
+    fn told(&mut self, joint: Joint) -> Answer {
+        let counts = self.arm.sense().counts[joint].wrapping_sub(self.zero[joint]);
+        let drive = &self.drives[joint];
+        let (_, speed) = self.arm.rotor(joint);
+        Answer {
+            node: drive.drive.node,
+            turns: f64::from(counts) / self.counts_per_turn[joint],
+            speed: drive.drive.gear_ratio * speed / std::f64::consts::TAU,
+            torque: drive.torque(),
+            drives: drive.drives(),
+            error: drive.is_in_error(),
+        }
+    }
+
+    /// Samples the sensors that do not belong to the drives. The counts are 0.
+    pub fn sense(&mut self) -> ArmSample<()> {
+        let sample = self.arm.sense();
+        ArmSample {
+            counts: [0; 2],
+            drives: (),
+            home: sample.home,
+            index: sample.index,
+            emergency_stop: sample.emergency_stop,
+            driver_fault: sample.driver_fault,
+            missed_ticks: sample.missed_ticks,
+        }
+    }
+
+    /// The frames that the controller has received since the last call.
+    pub fn take_received(&mut self) -> Vec<Frame> {
+        std::mem::take(&mut self.received)
+    }
+
+    /// Whether the controller has left the bus.
+    pub fn is_bus_off(&self) -> bool {
+        self.arm.faults.bus_off
+    }
+
+    /// The drives' torques at the joints [N·m].
+    pub fn torque(&self) -> [f64; 2] {
+        Joint::ALL.map(|j| {
+            let drive = &self.drives[j];
+            self.torque_factor[j] * drive.drive.gear_ratio * drive.torque()
+        })
+    }
+
+    /// The drives' torques over the torque constants of the settings [A].
+    pub fn current(&self) -> [f64; 2] {
+        Joint::ALL.map(|j| self.drives[j].torque() / self.torque_constant[j])
+    }
+
+    /// The arm with its sensors.
+    pub fn arm(&self) -> &Plant {
+        &self.arm
+    }
+
+    /// The arm, to press its switches, push its tool or inject faults.
+    pub fn arm_mut(&mut self) -> &mut Plant {
+        &mut self.arm
+    }
+
+    /// True angle of a driven joint [rad].
+    pub fn angle(&self, joint: Joint) -> f64 {
+        self.arm.angle(joint)
+    }
+
+    /// True position of the tool [m].
+    pub fn tool(&self) -> Vector2<f64> {
+        self.arm.tool()
+    }
+}
+
+/// A joint's drive as a sender on the bus.
+fn sender(joint: Joint) -> usize {
+    1 + joint.index()
+}
