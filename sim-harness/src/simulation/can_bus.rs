@@ -16,6 +16,22 @@ pub struct ArmOnBus {
 }
 
 impl ArmOnBus {
+    /// The arm of this scenario.
+    ///
+    /// # Errors
+    /// Its drives are on no bus, it has no masses or no home pose, or its mismatch does not fit.
+    pub fn of(scenario: &Scenario) -> Result<Self, RunError> {
+        match scenario.robot.can_bus() {
+            Some(bus) => Self::new(scenario, bus),
+            None => Err(RunError::NoBus(scenario.robot.name.clone())),
+        }
+    }
+
+    /// The plant, to disturb its bus.
+    pub fn plant_mut(&mut self) -> &mut CanPlant {
+        &mut self.plant
+    }
+
     /// The arm of this scenario, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors.
     pub(super) fn new(
         scenario: &Scenario,

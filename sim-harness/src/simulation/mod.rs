@@ -54,6 +54,9 @@ pub enum RunError {
     /// The robot has other drives, and the run is of brushed motors.
     #[error(transparent)]
     NotBrushed(#[from] NotBrushed),
+    /// The robot's drives are on no bus.
+    #[error("the drives of robot `{0}` are on no CAN bus: theirs is another `kind`")]
+    NoBus(String),
     /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),

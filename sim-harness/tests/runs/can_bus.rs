@@ -2,7 +2,14 @@
 
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
-use fivebar_sim::simulation::{Record, Simulate, Summary};
+use fivebar_firmware::controller::Request;
+use fivebar_firmware::drives::{TorqueDrives, TorqueSample, TorqueSetPoint};
+use fivebar_firmware::safety::Fault;
+use fivebar_firmware::{ArmCommand, ArmSample, Move, Status};
+use fivebar_kinematics::five_bar::Joint;
+use fivebar_plant::{FaultKind, PlantFault};
+use fivebar_sim::link::{InProcess, Target, TargetError};
+use fivebar_sim::simulation::{ArmOnBus, Record, RunError, Simulate, Simulation, Summary};
 
 fn leg(change: impl Fn(&str) -> String) -> Robot {
     let text = BuiltIn::find("leg").expect("built in").text;
@@ -26,4 +33,124 @@ fn the_demonstration_is_drawn_within_25_micrometres() {
     assert!(record.faults.is_empty(), "{:?}", record.faults);
     let error = summary.tip_error;
     assert!(error.rms_m < 25e-6, "{error:?}");
+}
+
+/// Within this time both drives give no torque [s].
+const STOPPED_WITHIN: f64 = 3e-3;
+
+#[test]
+fn a_drive_that_is_silent_or_resets_and_a_bus_that_is_off_leave_both_without_torque_within_3_ms() {
+    for kind in [
+        FaultKind::CanSilent { joint: Joint::Joint1 },
+        FaultKind::CanSilent { joint: Joint::Joint4 },
+        FaultKind::CanReset { joint: Joint::Joint1 },
+        FaultKind::CanReset { joint: Joint::Joint4 },
+        FaultKind::CanBusOff,
+    ] {
+        let fault = match kind {
+            FaultKind::CanBusOff => "bus off",
+            _ => "drive silent",
+        };
+        for at in [0.5, 0.7503, 1.0007] {
+            let mut scenario = demonstration();
+            scenario.faults.push(PlantFault { at, kind });
+            let (summary, record) = run(&scenario);
+            assert_eq!(summary.faults, [fault], "{kind:?}");
+            let samples = record.trace.samples();
+            let torque = |from: f64, to: f64| {
+                let of = samples.iter().filter(|it| (from..to).contains(&it.time));
+                of.fold([0.0_f64; 2], |most, sample| {
+                    [0, 1].map(|j| most[j].max(sample.torque[j].abs()))
+                })
+            };
+            let before = torque(at - 2e-3, at);
+            assert!(before.iter().all(|&torque| torque > 1e-3), "{kind:?}: {before:?} N·m");
+            let after = torque(at + STOPPED_WITHIN, at + 0.08);
+            assert_eq!(after, [0.0; 2], "{kind:?} at {at} s");
+            assert!(samples.last().is_some_and(|last| last.time > at + 0.05));
+        }
+    }
+}
+
+#[test]
+fn frames_that_errors_hit_are_sent_again_in_their_tick() {
+    let scenario = demonstration();
+    let job = scenario.job().unwrap();
+    let moves = scenario.run_moves(&job).unwrap();
+    let run = |share: f64| {
+        let mut arm = ArmOnBus::of(&scenario).unwrap();
+        arm.plant_mut().disturb(share);
+        let mut target = InProcess::new(&scenario.robot.settings().unwrap()).unwrap();
+        let simulation = Simulation::new(&mut target, arm, scenario.robot.control.tick_rate);
+        simulation.run(&moves, &[], &mut |_| ()).unwrap()
+    };
+    let rare = run(1e-3);
+    assert!(rare.faults.is_empty(), "{:?}", rare.faults);
+    let often = run(0.5);
+    assert_eq!(often.faults.first().map(|&(_, fault)| fault), Some(Fault::DriveSilent));
+}
+
+#[test]
+fn a_drive_in_error_by_its_own_watchdog_says_so() {
+    // The controller misses two ticks, which it may; the drives get no command for 3 ms.
+    let mut scenario = demonstration();
+    let kind = FaultKind::TicksMissed { ticks: 2 };
+    scenario.faults.push(PlantFault { at: 0.5, kind });
+    let (summary, _) = run(&scenario);
+    assert_eq!(summary.faults.len(), 1, "{:?}", summary.faults);
+    assert!(["drive error", "drive silent"].contains(&summary.faults[0].as_str()));
+}
+
+#[test]
+fn an_mit_type_pair_draws_as_finely_as_its_position_is_told() {
+    let mut scenario = demonstration();
+    scenario.robot = leg(|text| {
+        text.replace(
+            "protocol = \"odrive\"",
+            "protocol = \"mit\"\nposition_range = 12.5\nvelocity_range = 640.0\ntorque_range = 2.0",
+        )
+    });
+    scenario.fit().unwrap();
+    let (summary, record) = run(&scenario);
+    assert!(record.faults.is_empty(), "{:?}", record.faults);
+    println!("{:?}", summary.tip_error);
+    assert!(summary.tip_error.rms_m < 0.5e-3, "{:?}", summary.tip_error);
+}
+
+#[test]
+fn what_is_of_brushed_motors_refuses_drives_on_a_bus() {
+    let scenario = demonstration();
+    let refused = |error: RunError| error.to_string().contains("has drives on a CAN bus");
+    assert!(scenario.plant().is_err_and(refused));
+    assert!(scenario.controller().is_err_and(refused));
+}
+
+#[test]
+fn a_job_that_never_begins_ends_in_an_error() {
+    /// Accepts every move, and does none.
+    struct Idle(InProcess<TorqueDrives>);
+    impl Target<TorqueDrives> for Idle {
+        fn tick(
+            &mut self,
+            sample: &ArmSample<TorqueSample>,
+        ) -> Result<(ArmCommand<TorqueSetPoint>, Status), TargetError> {
+            self.0.tick(sample)
+        }
+        fn request(&mut self, request: Request) -> Result<(), TargetError> {
+            self.0.request(request)
+        }
+        fn offer(&mut self, _: &Move) -> Result<bool, TargetError> {
+            Ok(true)
+        }
+        fn is_idle(&self) -> bool {
+            false
+        }
+    }
+    let scenario = demonstration();
+    let moves = scenario.run_moves(&scenario.job().unwrap()).unwrap();
+    let mut target = Idle(InProcess::new(&scenario.robot.settings().unwrap()).unwrap());
+    let arm = ArmOnBus::of(&scenario).unwrap();
+    let simulation = Simulation::new(&mut target, arm, scenario.robot.control.tick_rate);
+    let ended = simulation.run(&moves, &[], &mut |_| ());
+    assert!(matches!(ended, Err(TargetError::NeverDone(_))));
 }
