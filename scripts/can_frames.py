@@ -36,7 +36,9 @@ def odrive():
 
     for node in NODES:
         for value in VALUES:
-            add(node, "Set_Input_Torque", Input_Torque=value)
+            add(node, "Set_Input_Pos", Input_Pos=value, Vel_FF=round(-value % 32, 3), Torque_FF=round(value % 16, 3))
+            add(node, "Set_Pos_Gain", Pos_Gain=abs(value))
+            add(node, "Set_Vel_Gains", Vel_Gain=abs(value), Vel_Integrator_Gain=0.0)
             add(node, "Get_Encoder_Estimates", Pos_Estimate=value, Vel_Estimate=-value)
         for state in [1, 8]:
             add(node, "Set_Axis_State", Axis_Requested_State=state)
@@ -44,7 +46,7 @@ def odrive():
                 add(
                     node, "Heartbeat", Axis_Error=error, Axis_State=state, Procedure_Result=0, Trajectory_Done_Flag=0
                 )
-        add(node, "Set_Controller_Mode", Control_Mode=1, Input_Mode=1)
+        add(node, "Set_Controller_Mode", Control_Mode=3, Input_Mode=1)
     return frames
 
 

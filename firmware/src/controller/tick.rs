@@ -188,6 +188,7 @@ impl<D: Drives> ArmController<D> {
         } = self.setpoint;
         let limited = self.drives.drive(&Demand {
             torque: command.torque.map(|torque| share * torque),
+            holds: share >= 1.0,
             velocity: self.velocities(),
             counted: self.counted(),
             motion: Motion {
@@ -197,7 +198,7 @@ impl<D: Drives> ArmController<D> {
             },
         });
         let limits = match D::NEEDS {
-            Needs::Torque => command.limits,
+            Needs::Torque | Needs::Both => command.limits,
             // The torque is the motors' own affair.
             Needs::Motion => command.limits.difference(Limits::TORQUE),
         };

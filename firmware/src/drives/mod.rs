@@ -22,7 +22,9 @@ pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
 use fivebar_kinematics::five_bar::Joint;
 pub use step::{StepCommand, StepDrives, StepSample};
-pub use torque::{DriveHealth, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint};
+pub use torque::{
+    DriveHealth, DriveStiffness, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,
+};
 
 /// Ticks from one watch of a joint's drive to the next, see [`Drives::watch_heat`].
 pub const WATCHED_EVERY: u32 = 16;
@@ -45,6 +47,8 @@ pub enum Stage {
 pub struct Demand {
     /// τ1, τ4 [N·m].
     pub torque: [f32; 2],
+    /// Whether the motors hold the arm with their whole torques. While its brakes are tested they do not.
+    pub holds: bool,
     /// The joints' measured velocities [rad/s].
     pub velocity: [f32; 2],
     /// θ1, θ4 as counted at this tick's sample [rad].
@@ -60,6 +64,8 @@ pub enum Needs {
     Torque,
     /// The motion, also while the arm homes.
     Motion,
+    /// Both.
+    Both,
 }
 
 /// The motion of both joints when the torque acts.

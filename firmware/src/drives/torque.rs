@@ -3,8 +3,10 @@
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
 use crate::drives::Demand;
 use crate::safety::Fault;
-use crate::settings::{CheckedSettings, Settings};
+use crate::settings::{AxisSettings, CheckedSettings, Settings};
+use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Joint;
+use nalgebra::Vector2;
 
 /// The oldest answer of a drive that is not a fault [s]. At 1 kHz both drives then give no torque within 3 ms of the last
 /// answer of one: it is missed in the second tick, and the command of that tick arrives before the third.
@@ -39,11 +41,51 @@ pub struct TorqueSample {
     pub bus_off: bool,
 }
 
-/// The torques that the drives should give until the next tick, at the joints [N·m].
+/// What the drives should do until the next tick, at the joints: give a torque, and that of a spring and a damper about a
+/// motion, which [`DriveStiffness`] has. Its default gives no torque, and damps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TorqueSetPoint {
-    /// τ1, τ4.
+    /// τ1, τ4 [N·m].
     pub torque: [f32; 2],
+    /// The angles in the middle of the time for which this acts, less those of the sample's counts [rad].
+    pub ahead: [f32; 2],
+    /// The velocities then [rad/s].
+    pub velocity: [f32; 2],
+}
+
+/// The spring and the damper that a drive makes itself, of its own encoder and many times in a tick. They answer what the
+/// tick's torques, which come late, cannot: friction and loads that the model does not know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveStiffness {
+    /// k [N·m/rad].
+    pub stiffness: f32,
+    /// d [N·m·s/rad].
+    pub damping: f32,
+}
+
+/// The bandwidth of spring and damper, times the lag of the drive's current loop [1].
+const PER_LAG: f32 = 0.2;
+/// What a drive tells its damper of its velocity is late by the current loop and by the tracking loop of its encoder: as
+/// many times the lag of the current loop, if both have the same bandwidth.
+const VELOCITY_LAGS: f32 = 3.0;
+
+impl DriveStiffness {
+    /// Of the drives of joint 1 and joint 4: k = I ω², d = 2 I ω of its inertia I.
+    pub fn of(settings: &CheckedSettings) -> [Self; 2] {
+        let ([axis1, axis4], [inertia1, inertia4]) = (&settings.axes, settings.nominal_inertia());
+        [(axis1, inertia1), (axis4, inertia4)].map(|(axis, inertia)| {
+            let bandwidth = PER_LAG / (VELOCITY_LAGS * loop_lag(axis));
+            Self {
+                stiffness: inertia * bandwidth * bandwidth,
+                damping: 2.0 * inertia * bandwidth,
+            }
+        })
+    }
+}
+
+/// The lag of a drive's own current loop [s].
+fn loop_lag(axis: &AxisSettings) -> f32 {
+    axis.inductance / axis.resistance
 }
 
 /// Both torque drives. They guard their own motors: heat and over-current are theirs.
@@ -56,8 +98,9 @@ pub struct TorqueSetPoint {
 pub struct TorqueDrives {
     /// Measured at the joints [N·m].
     torque: [f32; 2],
-    /// [N·m].
-    set_point: [f32; 2],
+    set_point: TorqueSetPoint,
+    /// Of the drives' own current loops [s].
+    loop_lag: [f32; 2],
     /// What the sample shows by itself.
     fault: Option<Fault>,
     /// Whether one of them gives no torque.
@@ -79,7 +122,7 @@ impl Drives for TorqueDrives {
     type Sample = TorqueSample;
     type Command = TorqueSetPoint;
 
-    const NEEDS: Needs = Needs::Torque;
+    const NEEDS: Needs = Needs::Both;
     /// From the order to give torque until a drive does, and tells it.
     const WAKE_UP_TIME: f32 = 0.05;
 
@@ -87,7 +130,8 @@ impl Drives for TorqueDrives {
         let [axis1, axis4] = &settings.axes;
         Self {
             torque: [0.0; 2],
-            set_point: [0.0; 2],
+            set_point: TorqueSetPoint::default(),
+            loop_lag: [axis1, axis4].map(loop_lag),
             fault: None,
             is_off: true,
             // `as` cuts.
@@ -100,7 +144,7 @@ impl Drives for TorqueDrives {
     /// A set-point travels to its drive, acts for a tick, in its mean half a tick later, and through the drive's loop.
     fn lag(settings: &Settings, _: Stage) -> f32 {
         let [axis1, axis4] = &settings.axes;
-        let [loop1, loop4] = [axis1, axis4].map(|axis| axis.inductance / axis.resistance);
+        let [loop1, loop4] = [axis1, axis4].map(loop_lag);
         Self::lag_of(settings.control.tick_rate, 0.5 * (loop1 + loop4))
     }
 
@@ -140,23 +184,48 @@ impl Drives for TorqueDrives {
         self.is_off.then_some(Fault::DriveError)
     }
 
+    /// The demanded motion leads by the lag of the drive's loop, which its spring does not need.
     #[inline(always)]
     fn drive(&mut self, demand: &Demand) -> bool {
-        self.set_point = demand.torque;
+        self.set_point = TorqueSetPoint {
+            torque: demand.torque,
+            // Where the joint is and moves to: without force.
+            ahead: [0.0; 2],
+            velocity: demand.velocity,
+        };
+        if demand.holds {
+            let ([omega1, omega4], [alpha1, alpha4]) =
+                (demand.motion.velocity, demand.motion.acceleration);
+            let [lag1, lag4] = self.loop_lag;
+            let [u1, u4] = Vector2::units(demand.counted);
+            let [d1, d4] = demand.motion.direction.map(Vector2::from);
+            let (ahead1, ahead4) = (small_angle(u1.cross_z(d1)), small_angle(u4.cross_z(d4)));
+            self.set_point.ahead = [
+                ahead1 - lag1 * (omega1 - 0.5 * lag1 * alpha1),
+                ahead4 - lag4 * (omega4 - 0.5 * lag4 * alpha4),
+            ];
+            self.set_point.velocity = [
+                omega1 - VELOCITY_LAGS * lag1 * alpha1,
+                omega4 - VELOCITY_LAGS * lag4 * alpha4,
+            ];
+        }
         false
     }
 
     #[inline(always)]
     fn command(&self) -> TorqueSetPoint {
-        TorqueSetPoint {
-            torque: self.set_point,
-        }
+        self.set_point
     }
 
     #[inline(always)]
     fn is_finite(&self) -> bool {
-        let [torque1, torque4] = self.set_point;
-        torque1.is_finite() && torque4.is_finite()
+        let TorqueSetPoint {
+            torque: [torque1, torque4],
+            ahead: [ahead1, ahead4],
+            velocity: [omega1, omega4],
+        } = self.set_point;
+        let joint1 = torque1.is_finite() && ahead1.is_finite() && omega1.is_finite();
+        joint1 && torque4.is_finite() && ahead4.is_finite() && omega4.is_finite()
     }
 
     fn rest(&mut self, _: &TorqueSample) {}
@@ -169,7 +238,7 @@ impl Drives for TorqueDrives {
 
     #[inline(always)]
     fn release(&mut self) {
-        self.set_point = [0.0; 2];
+        self.set_point = TorqueSetPoint::default();
     }
 
     fn watch_heat(&mut self, _: Joint) -> Option<Fault> {
@@ -186,7 +255,7 @@ impl Drives for TorqueDrives {
         let currents = |[torque1, torque4]: [f32; 2]| [torque1 * per1, torque4 * per4];
         DriveReport {
             current: currents(self.torque),
-            current_demand: currents(self.set_point),
+            current_demand: currents(self.set_point.torque),
             ..DriveReport::default()
         }
     }
@@ -202,4 +271,10 @@ impl Drives for TorqueDrives {
     }
 
     fn excite(&mut self, _: Joint, _: Excited, _: f32, _: f32) {}
+}
+
+/// A small angle from its sine.
+#[inline(always)]
+fn small_angle(sine: f32) -> f32 {
+    sine + sine * sine * sine * (1.0 / 6.0)
 }

@@ -71,8 +71,14 @@ fn what_a_drive_or_the_bus_shows_stops_both_in_its_tick() {
     for (sample, fault) in [
         (late(0), Fault::DriveSilent),
         (late(1), Fault::DriveSilent),
-        (sample(|it| it.health[0] = DriveHealth::Error), Fault::DriveError),
-        (sample(|it| it.health[1] = DriveHealth::Off), Fault::DriveError),
+        (
+            sample(|it| it.health[0] = DriveHealth::Error),
+            Fault::DriveError,
+        ),
+        (
+            sample(|it| it.health[1] = DriveHealth::Off),
+            Fault::DriveError,
+        ),
         (sample(|it| it.bus_off = true), Fault::BusOff),
     ] {
         let mut controller = pushing();

@@ -1,9 +1,14 @@
-//! A drive that closes its own current loop: dτ/dt = (τd − τ)/T.
+//! A drive with loops of its own: τd = k (θd − θ̂) + d (ωd − ω̂) + τf, and dτ/dt = (τd − τ)/T of its current loop.
+//!
+//! θ̂ and ω̂ come from its encoder, by a tracking loop whose both poles are at 1/T.
 
-use super::protocol::Order;
+use super::protocol::{Input, Order};
+use std::f64::consts::TAU;
 
 /// Time without a command after which a drive gives no torque by itself [s].
 pub const WATCHDOG: f64 = 2e-3;
+/// Time between two turns of a drive's loops [s]: ODrive's, and slower than those of MIT-type drives.
+pub(super) const PERIOD: f64 = 125e-6;
 /// Time from the order to give torque until a drive follows its set-point [s].
 const START: f64 = 0.01;
 /// Time for which a drive that resets is silent [s].
@@ -20,7 +25,7 @@ pub struct CanDrive {
     pub rotor_inertia: f64,
     /// The greatest torque at its shaft [N·m].
     pub peak_torque: f64,
-    /// T, the lag of its current loop [s].
+    /// T, the lag of its current loop [s]; the tracking loop of its encoder has the same bandwidth.
     pub lag: f64,
 }
 
@@ -44,8 +49,13 @@ enum Stage {
 pub(super) struct DriveOnBus {
     pub(super) drive: CanDrive,
     stage: Stage,
-    /// Whether it has been told to follow torques.
+    /// Whether it has been told to follow its input.
     follows: bool,
+    input: Input,
+    /// k/d [1/s], and d [N·m·s/rad].
+    gains: [f64; 2],
+    /// θ̂ [rad] and ω̂ [rad/s]; none before its first look.
+    tracked: Option<[f64; 2]>,
     /// τd and τ at its shaft [N·m].
     set_point: f64,
     torque: f64,
@@ -61,6 +71,9 @@ impl DriveOnBus {
             drive,
             stage: Stage::Off,
             follows,
+            input: Input::default(),
+            gains: [0.0; 2],
+            tracked: None,
             set_point: 0.0,
             torque: 0.0,
             unfed: 0.0,
@@ -97,18 +110,40 @@ impl DriveOnBus {
                 (self.stage, self.unfed) = (Stage::Starts(START), 0.0);
             }
             Order::Stop => self.stop(Stage::Off),
-            Order::FollowTorques => self.follows = true,
-            Order::Torque(torque) => {
-                let peak = self.drive.peak_torque;
-                (self.set_point, self.unfed) = (torque.clamp(-peak, peak), 0.0);
-            }
+            Order::Follow => self.follows = true,
+            Order::Input(input) => (self.input, self.unfed) = (input, 0.0),
+            Order::PositionGain(gain) => self.gains[0] = gain,
+            Order::VelocityGain(gain) => self.gains[1] = gain,
             Order::Start | Order::Tell => {}
         }
+    }
+
+    /// One turn of its loops, with its encoder at so many turns.
+    pub(super) fn turn(&mut self, turns: f64) {
+        let (measured, tracking) = (TAU * turns, 1.0 / self.drive.lag);
+        let [angle, speed] = self.tracked.unwrap_or([measured, 0.0]);
+        let before = angle + PERIOD * speed;
+        let off = measured - before;
+        let angle = before + PERIOD * 2.0 * tracking * off;
+        let speed = speed + PERIOD * tracking * tracking * off;
+        self.tracked = Some([angle, speed]);
+        let [ratio, gain] = self.gains;
+        let [stiffness, damping] = self.input.stiffness.unwrap_or([ratio * gain, gain]);
+        let Input {
+            position,
+            velocity,
+            torque,
+            ..
+        } = self.input;
+        let wanted = stiffness * (position - angle) + damping * (velocity - speed) + torque;
+        let peak = self.drive.peak_torque;
+        self.set_point = wanted.clamp(-peak, peak);
     }
 
     fn stop(&mut self, stage: Stage) {
         self.stage = stage;
         (self.set_point, self.torque) = (0.0, 0.0);
+        self.input.torque = 0.0;
     }
 
     /// Lets this time pass [s]; unpowered, it gives no torque. Returns the mean torque at its shaft [N·m].
@@ -156,7 +191,12 @@ mod tests {
         let mut drive = DriveOnBus::new(DRIVE, true);
         drive.obey(Order::Start);
         drive.pass(START, true);
-        drive.obey(Order::Torque(torque));
+        let input = Input {
+            torque,
+            ..Input::default()
+        };
+        drive.obey(Order::Input(input));
+        drive.turn(0.0);
         drive
     }
 
@@ -173,6 +213,29 @@ mod tests {
     }
 
     #[test]
+    fn gains_make_a_spring_and_a_damper_about_the_input() {
+        let mut drive = driving(0.1);
+        drive.obey(Order::PositionGain(50.0));
+        drive.obey(Order::VelocityGain(0.02));
+        // 0.1 rad ahead of a shaft that stands.
+        drive.input.position = 0.1;
+        drive.turn(0.0);
+        assert!((drive.set_point - (0.1 + 50.0 * 0.02 * 0.1)).abs() < 1e-12);
+        // A shaft that turns at 3 rad/s, on time: until the tracking loop has its speed.
+        let mut time = 0.0;
+        for _ in 0..200 {
+            time += PERIOD;
+            (drive.input.position, drive.input.velocity) = (3.0 * time, 5.0);
+            drive.turn(3.0 * time / TAU);
+        }
+        assert!(
+            (drive.set_point - (0.1 + 0.02 * 2.0)).abs() < 1e-6,
+            "{}",
+            drive.set_point
+        );
+    }
+
+    #[test]
     fn without_commands_the_drives_own_watchdog_ends_its_torque() {
         let mut drive = driving(0.5);
         drive.pass(WATCHDOG, true);
@@ -182,15 +245,16 @@ mod tests {
         // It starts anew when it is told to.
         drive.obey(Order::Start);
         drive.pass(START, true);
+        drive.turn(0.0);
         assert!(drive.drives() && drive.torque() == 0.0);
     }
 
     #[test]
-    fn a_drive_gives_no_more_than_its_peak_torque_and_none_unless_it_follows_torques() {
+    fn a_drive_gives_no_more_than_its_peak_torque_and_none_unless_it_follows_its_input() {
         let mut drive = driving(7.0);
         for _ in 0..20 {
+            drive.obey(Order::Input(drive.input));
             drive.pass(1e-3, true);
-            drive.obey(Order::Torque(7.0));
         }
         assert!((drive.torque() - DRIVE.peak_torque).abs() < 1e-6);
         let mut other = DriveOnBus::new(DRIVE, false);

@@ -1,10 +1,11 @@
 //! The arm with two torque drives on a bus, one tick at a time.
 //!
 //! It is a [`Plant`] whose bridges are off, as an arm with steppers is; the drives' torques act on its rotors. A tick is
-//! cut where a frame ends: there a drive takes its set-point over, or senses its motor and puts its answer on the bus.
+//! cut where a frame ends: there a drive takes its input over, or senses its motor and puts its answer on the bus; and
+//! where the drives' own loops have their turns.
 
 use super::bus::Bus;
-use super::drive::{CanDrive, DriveOnBus};
+use super::drive::{CanDrive, DriveOnBus, PERIOD};
 use super::protocol::{Answer, Order, answer, by_itself, orders};
 use crate::drives::Drives;
 use crate::mismatch::Mismatch;
@@ -19,9 +20,7 @@ use fivebar_firmware::{ActuatorCommand, ArmSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
 
-/// The longest integration step [s]: a twentieth of the lag of a fast drive's current loop.
-const LONGEST_STEP: f64 = 5e-5;
-/// What is left of a tick by rounding is shorter [s].
+/// What is left of a time by rounding is shorter [s].
 const SHORTEST_STEP: f64 = 1e-12;
 /// The controller as a sender on the bus; the drives follow.
 const CONTROLLER: usize = 0;
@@ -44,6 +43,8 @@ pub struct CanPlant {
     torque_factor: [f64; 2],
     /// Time until each drive sends its next frame by itself [s].
     until_told: [f64; 2],
+    /// Time until the drives' loops have their next turn [s].
+    until_turn: f64,
     /// The share of the frames that an error hits.
     error_share: f64,
     noise: Noise,
@@ -94,6 +95,7 @@ impl CanPlant {
             torque_constant: settings.axes.map(|axis| axis.torque_constant.into()),
             torque_factor: mismatch.torque_constant.map(|excess| 1.0 + excess),
             until_told: [0.0; 2],
+            until_turn: 0.0,
             error_share: 0.0,
             noise: Noise::new(seed),
         }
@@ -151,10 +153,18 @@ impl CanPlant {
         while left > SHORTEST_STEP {
             let (share, noise) = (self.error_share, &mut self.noise);
             self.bus.begin(|| share > 0.0 && noise.uniform() < share);
-            let step = left.min(LONGEST_STEP);
+            if self.until_turn < SHORTEST_STEP {
+                self.until_turn += PERIOD;
+                for j in Joint::ALL {
+                    let turns = self.turns(j);
+                    self.drives[j].turn(turns);
+                }
+            }
+            let step = left.min(self.until_turn);
             let step = self.bus.time_left().map_or(step, |end| end.min(step));
             self.advance(command, step);
             left -= step;
+            self.until_turn -= step;
             if let Some((from, frame)) = self.bus.pass(step) {
                 self.arrive(from, &frame);
             }
@@ -198,17 +208,23 @@ impl CanPlant {
 
     /// What a drive tells now.
     fn told(&mut self, joint: Joint) -> Answer {
-        let counts = self.arm.sense().counts[joint].wrapping_sub(self.zero[joint]);
+        let turns = self.turns(joint);
         let drive = &self.drives[joint];
         let (_, speed) = self.arm.rotor(joint);
         Answer {
             node: drive.drive.node,
-            turns: f64::from(counts) / self.counts_per_turn[joint],
+            turns,
             speed: drive.drive.gear_ratio * speed / std::f64::consts::TAU,
             torque: drive.torque(),
             drives: drive.drives(),
             error: drive.is_in_error(),
         }
+    }
+
+    /// Turns of a drive's shaft, as its encoder counts them.
+    fn turns(&mut self, joint: Joint) -> f64 {
+        let counts = self.arm.sense().counts[joint].wrapping_sub(self.zero[joint]);
+        f64::from(counts) / self.counts_per_turn[joint]
     }
 
     /// Samples the sensors that do not belong to the drives. The counts are 0.

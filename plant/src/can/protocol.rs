@@ -12,12 +12,28 @@ pub(super) enum Order {
     Start,
     /// Give none.
     Stop,
-    /// Follow torques.
-    FollowTorques,
-    /// This torque at the drive's shaft [N·m].
-    Torque(f64),
+    /// Follow positions, velocities and torques.
+    Follow,
+    /// These, at the drive's shaft.
+    Input(Input),
+    /// The velocity per position error [1/s], or the torque per velocity error [N·m·s/rad].
+    PositionGain(f64),
+    VelocityGain(f64),
     /// Tell where the motor is.
     Tell,
+}
+
+/// What a drive is to follow at its shaft.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Input {
+    /// [rad].
+    pub(super) position: f64,
+    /// [rad/s].
+    pub(super) velocity: f64,
+    /// Besides that of the gains [N·m].
+    pub(super) torque: f64,
+    /// [N·m/rad] and [N·m·s/rad]; none: those of the gains.
+    pub(super) stiffness: Option<[f64; 2]>,
 }
 
 /// What a drive tells.
@@ -41,12 +57,7 @@ pub(super) fn orders(protocol: &Protocol, frame: &Frame, node: u8) -> Vec<Order>
         Protocol::Mit(ranges) if frame.id == u16::from(node) => match frame.data {
             Some([.., 0xFC]) if is_special(frame) => vec![Order::Start, Order::Tell],
             Some([.., 0xFD]) if is_special(frame) => vec![Order::Stop, Order::Tell],
-            Some([.., high, low]) => {
-                let share = u16::from(high & 0xF) << 8 | u16::from(low);
-                let limit = f64::from(ranges.torque);
-                let torque = 2.0 * limit * f64::from(share) / 4095.0 - limit;
-                vec![Order::Torque(torque), Order::Tell]
-            }
+            Some(data) => vec![Order::Input(input(data, ranges)), Order::Tell],
             None => Vec::new(),
         },
         _ => Vec::new(),
@@ -58,6 +69,22 @@ fn is_special(frame: &Frame) -> bool {
     frame.data.is_some_and(|data| data[..7] == [0xFF; 7])
 }
 
+/// The input of an MIT-type frame.
+fn input(data: [u8; 8], ranges: &Ranges) -> Input {
+    let [p1, p2, v1, v2k1, k2, d1, d2t1, t2] = data.map(f64::from);
+    let upper = |byte: f64| (byte / 16.0).floor();
+    let lower = |byte: f64| byte - 16.0 * upper(byte);
+    let within = |share: f64, full: f64, limit: f32| (2.0 * share / full - 1.0) * f64::from(limit);
+    let stiffness = (256.0 * lower(v2k1) + k2) / 4095.0 * 500.0;
+    let damping = (16.0 * d1 + upper(d2t1)) / 4095.0 * 5.0;
+    Input {
+        position: within(256.0 * p1 + p2, 65535.0, ranges.position),
+        velocity: within(16.0 * v1 + upper(v2k1), 4095.0, ranges.velocity),
+        torque: within(256.0 * lower(d2t1) + t2, 4095.0, ranges.torque),
+        stiffness: Some([stiffness, damping]),
+    }
+}
+
 fn of_odrive(frame: &Frame) -> Vec<Order> {
     let Some([a, b, c, d, e, f, g, h]) = frame.data else {
         return match frame.id & 0x1F {
@@ -67,11 +94,20 @@ fn of_odrive(frame: &Frame) -> Vec<Order> {
     };
     let first = [a, b, c, d];
     let whole = |bytes| u32::from_le_bytes(bytes);
+    let single = f64::from(f32::from_le_bytes(first));
+    let thousandths = |bytes| f64::from(i16::from_le_bytes(bytes)) / 1000.0;
     match (frame.id & 0x1F, whole(first), whole([e, f, g, h])) {
         (0x07, 8, _) => vec![Order::Start],
         (0x07, 1, _) => vec![Order::Stop],
-        (0x0B, 1, 1) => vec![Order::FollowTorques],
-        (0x0E, ..) => vec![Order::Torque(f32::from_le_bytes(first).into())],
+        (0x0B, 3, 1) => vec![Order::Follow],
+        (0x0C, ..) => vec![Order::Input(Input {
+            position: TAU * single,
+            velocity: TAU * thousandths([e, f]),
+            torque: thousandths([g, h]),
+            stiffness: None,
+        })],
+        (0x1A, ..) => vec![Order::PositionGain(single)],
+        (0x1B, ..) => vec![Order::VelocityGain(single / TAU)],
         _ => Vec::new(),
     }
 }
@@ -93,7 +129,12 @@ pub(super) fn by_itself(protocol: &Protocol, told: &Answer) -> Option<Frame> {
             // WATCHDOG_TIMER_EXPIRED.
             let error: u32 = if told.error { 0x0100_0000 } else { 0 };
             let state = if told.drives { 8 } else { 1 };
-            Some(odrive(told.node, 0x01, error.to_le_bytes(), [state, 0, 0, 0]))
+            Some(odrive(
+                told.node,
+                0x01,
+                error.to_le_bytes(),
+                [state, 0, 0, 0],
+            ))
         }
         Protocol::Mit(_) => None,
     }

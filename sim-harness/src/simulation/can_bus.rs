@@ -46,10 +46,12 @@ impl ArmOnBus {
         for &fault in &scenario.initial_faults {
             plant.arm_mut().inject(fault);
         }
+        let settings = parameters.settings.check();
+        let settings = settings.map_err(|error| settings_error(scenario, error))?;
         let nodes = drives.map(|drive| drive.node);
         Ok(Self {
             plant,
-            link: Link::new(protocol, nodes, &parameters.settings),
+            link: Link::new(protocol, nodes, &settings),
         })
     }
 }
@@ -81,7 +83,8 @@ impl SimulatedArm for ArmOnBus {
 
     fn step(&mut self, command: &ArmCommand<TorqueSetPoint>, period: f64) {
         let frames = self.link.send(command.enable, &command.drives);
-        self.plant.step(&frames, command.brake, command.tool, period);
+        self.plant
+            .step(&frames, command.brake, command.tool, period);
     }
 
     fn schedule_faults(&mut self, faults: &[PlantFault]) {

@@ -11,8 +11,8 @@ mod summary;
 mod trace;
 
 pub use arm::SimulatedArm;
-pub use can_bus::ArmOnBus;
 pub use by_cause::CauseError;
+pub use can_bus::ArmOnBus;
 pub use control_loop::{Record, Simulation};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
 pub use joints::{JointHistory, PeakForce};

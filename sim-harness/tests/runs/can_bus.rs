@@ -7,9 +7,13 @@ use fivebar_firmware::drives::{TorqueDrives, TorqueSample, TorqueSetPoint};
 use fivebar_firmware::safety::Fault;
 use fivebar_firmware::{ArmCommand, ArmSample, Move, Status};
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{FaultKind, PlantFault};
+use fivebar_plant::{FaultKind, Mismatch, PlantFault};
 use fivebar_sim::link::{InProcess, Target, TargetError};
-use fivebar_sim::simulation::{ArmOnBus, Record, RunError, Simulate, Simulation, Summary};
+use fivebar_sim::simulation::{
+    ArmOnBus, Record, RunError, Simulate, SimulatedArm, Simulation, Summary,
+};
+use std::cell::RefCell;
+use std::rc::Rc;
 
 fn leg(change: impl Fn(&str) -> String) -> Robot {
     let text = BuiltIn::find("leg").expect("built in").text;
@@ -28,46 +32,128 @@ fn demonstration() -> Scenario {
 }
 
 #[test]
-fn the_demonstration_is_drawn_within_25_micrometres() {
-    let (summary, record) = run(&demonstration());
-    assert!(record.faults.is_empty(), "{:?}", record.faults);
-    let error = summary.tip_error;
-    assert!(error.rms_m < 25e-6, "{error:?}");
+fn the_demonstration_is_drawn_within_25_micrometres_whatever_the_torques_are_off_by() {
+    let mut scenario = demonstration();
+    let declared = scenario.mismatch;
+    for mismatch in [
+        declared,
+        Mismatch {
+            stiction: [0.3; 2],
+            ..declared
+        },
+        Mismatch {
+            link_mass: 0.3,
+            ..declared
+        },
+        Mismatch {
+            torque_constant: [-0.15, 0.15],
+            ..declared
+        },
+    ] {
+        scenario.mismatch = mismatch;
+        let (summary, record) = run(&scenario);
+        assert!(record.faults.is_empty(), "{:?}", record.faults);
+        let error = summary.tip_error;
+        assert!(error.rms_m < 25e-6 && error.max_m < 100e-6, "{error:?}");
+        assert_eq!(summary.saturated_ticks, 0);
+    }
 }
 
-/// Within this time both drives give no torque [s].
-const STOPPED_WITHIN: f64 = 3e-3;
+/// An arm whose torques are written down in every tick, from its power-up on.
+struct Watched {
+    arm: ArmOnBus,
+    torques: Rc<RefCell<Vec<[f64; 2]>>>,
+}
+
+impl SimulatedArm for Watched {
+    type Drives = TorqueDrives;
+
+    fn sense(&mut self) -> ArmSample<TorqueSample> {
+        self.arm.sense()
+    }
+
+    fn step(&mut self, command: &ArmCommand<TorqueSetPoint>, period: f64) {
+        self.torques.borrow_mut().push(self.arm.torque());
+        self.arm.step(command, period);
+    }
+
+    fn schedule_faults(&mut self, faults: &[PlantFault]) {
+        self.arm.schedule_faults(faults);
+    }
+
+    fn tool(&self) -> [f64; 2] {
+        self.arm.tool()
+    }
+
+    fn angle(&self, joint: Joint) -> f64 {
+        self.arm.angle(joint)
+    }
+
+    fn torque(&self) -> [f64; 2] {
+        self.arm.torque()
+    }
+
+    fn current(&self) -> [f64; 2] {
+        self.arm.current()
+    }
+}
+
+/// The faults of the demonstration with this one, and the torques in each tick from it on [N·m].
+fn torques_from(kind: FaultKind, at: f64) -> (Vec<Fault>, Vec<[f64; 2]>) {
+    let scenario = demonstration();
+    let moves = scenario.run_moves(&scenario.job().unwrap()).unwrap();
+    let torques = Rc::new(RefCell::new(Vec::new()));
+    let arm = Watched {
+        arm: ArmOnBus::of(&scenario).unwrap(),
+        torques: Rc::clone(&torques),
+    };
+    let mut target = InProcess::new(&scenario.robot.settings().unwrap()).unwrap();
+    let simulation = Simulation::new(&mut target, arm, 1000.0);
+    let record = simulation
+        .run(&moves, &[PlantFault { at, kind }], &mut |_| ())
+        .unwrap();
+    // In this tick the fault is injected.
+    let tick = ((record.begun.unwrap() + at) * 1000.0).ceil() as usize;
+    let from = torques.borrow()[tick..].to_vec();
+    (
+        record.faults.into_iter().map(|(_, fault)| fault).collect(),
+        from,
+    )
+}
 
 #[test]
 fn a_drive_that_is_silent_or_resets_and_a_bus_that_is_off_leave_both_without_torque_within_3_ms() {
     for kind in [
-        FaultKind::CanSilent { joint: Joint::Joint1 },
-        FaultKind::CanSilent { joint: Joint::Joint4 },
-        FaultKind::CanReset { joint: Joint::Joint1 },
-        FaultKind::CanReset { joint: Joint::Joint4 },
+        FaultKind::CanSilent {
+            joint: Joint::Joint1,
+        },
+        FaultKind::CanSilent {
+            joint: Joint::Joint4,
+        },
+        FaultKind::CanReset {
+            joint: Joint::Joint1,
+        },
+        FaultKind::CanReset {
+            joint: Joint::Joint4,
+        },
         FaultKind::CanBusOff,
     ] {
         let fault = match kind {
-            FaultKind::CanBusOff => "bus off",
-            _ => "drive silent",
+            FaultKind::CanBusOff => Fault::BusOff,
+            _ => Fault::DriveSilent,
         };
-        for at in [0.5, 0.7503, 1.0007] {
-            let mut scenario = demonstration();
-            scenario.faults.push(PlantFault { at, kind });
-            let (summary, record) = run(&scenario);
-            assert_eq!(summary.faults, [fault], "{kind:?}");
-            let samples = record.trace.samples();
-            let torque = |from: f64, to: f64| {
-                let of = samples.iter().filter(|it| (from..to).contains(&it.time));
-                of.fold([0.0_f64; 2], |most, sample| {
-                    [0, 1].map(|j| most[j].max(sample.torque[j].abs()))
-                })
-            };
-            let before = torque(at - 2e-3, at);
-            assert!(before.iter().all(|&torque| torque > 1e-3), "{kind:?}: {before:?} N·m");
-            let after = torque(at + STOPPED_WITHIN, at + 0.08);
-            assert_eq!(after, [0.0; 2], "{kind:?} at {at} s");
-            assert!(samples.last().is_some_and(|last| last.time > at + 0.05));
+        for at in [0.5, 0.751, 1.002] {
+            let (faults, torques) = torques_from(kind, at);
+            assert_eq!(faults, [fault], "{kind:?}");
+            assert!(
+                torques[0].iter().all(|torque| torque.abs() > 1e-4),
+                "{:?}",
+                torques[0]
+            );
+            assert!(torques.len() > 50);
+            for (tick, torque) in torques.iter().enumerate().skip(3) {
+                assert_eq!(*torque, [0.0; 2], "{kind:?} at {at} s, {tick} ms after it");
+            }
         }
     }
 }
@@ -87,7 +173,10 @@ fn frames_that_errors_hit_are_sent_again_in_their_tick() {
     let rare = run(1e-3);
     assert!(rare.faults.is_empty(), "{:?}", rare.faults);
     let often = run(0.5);
-    assert_eq!(often.faults.first().map(|&(_, fault)| fault), Some(Fault::DriveSilent));
+    assert_eq!(
+        often.faults.first().map(|&(_, fault)| fault),
+        Some(Fault::DriveSilent)
+    );
 }
 
 #[test]
@@ -113,8 +202,9 @@ fn an_mit_type_pair_draws_as_finely_as_its_position_is_told() {
     scenario.fit().unwrap();
     let (summary, record) = run(&scenario);
     assert!(record.faults.is_empty(), "{:?}", record.faults);
-    println!("{:?}", summary.tip_error);
-    assert!(summary.tip_error.rms_m < 0.5e-3, "{:?}", summary.tip_error);
+    // A position is told and asked for in steps of 0.38 mrad of the drive: 11 µm at the knee.
+    let error = summary.tip_error;
+    assert!(error.rms_m < 50e-6, "{error:?}");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! The link between the tick and two drives on a bus: commands out, answers in, and how old these are.
 
 use super::{Frame, mit, odrive};
-use crate::drives::{DriveHealth, TorqueSample, TorqueSetPoint};
-use crate::settings::Settings;
+use crate::drives::{DriveHealth, DriveStiffness, TorqueSample, TorqueSetPoint};
+use crate::settings::CheckedSettings;
 use core::f32::consts::TAU;
 use heapless::Vec;
 
@@ -38,7 +38,11 @@ struct Drive {
     gear_ratio: f32,
     /// Of the encoder.
     counts_per_turn: f32,
-    counts: i32,
+    /// Where its shaft is.
+    turns: f32,
+    /// At its shaft [N·m/rad], [N·m·s/rad].
+    stiffness: f32,
+    damping: f32,
     /// What it gives at its shaft [N·m]; ODrive has no room on the bus to tell it, and gives what it is asked for.
     torque: f32,
     health: DriveHealth,
@@ -52,28 +56,33 @@ struct Drive {
 }
 
 /// Ticks after which a drive has got all that makes it give torque.
-const STARTED: u8 = 2;
+const STARTED: u8 = 4;
 
 impl Link {
     /// The link to the drives of these nodes, on an arm of these settings.
-    pub fn new(protocol: Protocol, nodes: [u8; 2], settings: &Settings) -> Self {
+    pub fn new(protocol: Protocol, nodes: [u8; 2], settings: &CheckedSettings) -> Self {
         let [axis1, axis4] = &settings.axes;
         let [node1, node4] = nodes;
+        let [stiffness1, stiffness4] = DriveStiffness::of(settings);
         let heartbeats = MISSING_HEARTBEATS * odrive::PERIOD;
         Self {
             protocol,
-            drives: [(axis1, node1), (axis4, node4)].map(|(axis, node)| Drive {
-                node,
-                gear_ratio: axis.gear_ratio,
-                counts_per_turn: axis.encoder_counts as f32,
-                counts: 0,
-                torque: 0.0,
-                health: DriveHealth::Off,
-                age: u16::MAX,
-                heartbeat_age: u16::MAX,
-                enabled: 0,
-                tells_state: false,
-            }),
+            drives: [(axis1, node1, stiffness1), (axis4, node4, stiffness4)].map(
+                |(axis, node, of)| Drive {
+                    node,
+                    stiffness: of.stiffness / (axis.gear_ratio * axis.gear_ratio),
+                    damping: of.damping / (axis.gear_ratio * axis.gear_ratio),
+                    gear_ratio: axis.gear_ratio,
+                    counts_per_turn: axis.encoder_counts as f32,
+                    turns: 0.0,
+                    torque: 0.0,
+                    health: DriveHealth::Off,
+                    age: u16::MAX,
+                    heartbeat_age: u16::MAX,
+                    enabled: 0,
+                    tells_state: false,
+                },
+            ),
             // `as` saturates.
             heartbeat_ticks: (heartbeats * settings.control.tick_rate) as u16,
         }
@@ -118,18 +127,22 @@ impl Link {
             health: [drive1.health, drive4.health],
             bus_off,
         };
-        ([drive1.counts, drive4.counts], sample)
+        ([drive1.counts(), drive4.counts()], sample)
     }
 
     /// The frames of a tick: commands first, so that the torques are at the drives as soon as can be.
-    pub fn send(&mut self, enable: [bool; 2], set_point: &TorqueSetPoint) -> Vec<Frame, MOST_FRAMES> {
+    pub fn send(
+        &mut self,
+        enable: [bool; 2],
+        set_point: &TorqueSetPoint,
+    ) -> Vec<Frame, MOST_FRAMES> {
         let mut frames = Vec::new();
-        let [torque1, torque4] = set_point.torque;
-        let [enable1, enable4] = enable;
+        let ([torque1, torque4], [ahead1, ahead4]) = (set_point.torque, set_point.ahead);
+        let ([omega1, omega4], [enable1, enable4]) = (set_point.velocity, enable);
         let [drive1, drive4] = &mut self.drives;
         // Two drives have two frames each at most.
-        let _ = frames.push(drive1.command(&self.protocol, enable1, torque1));
-        let _ = frames.push(drive4.command(&self.protocol, enable4, torque4));
+        let _ = frames.push(drive1.command(&self.protocol, enable1, [torque1, ahead1, omega1]));
+        let _ = frames.push(drive4.command(&self.protocol, enable4, [torque4, ahead4, omega4]));
         if self.protocol == Protocol::Odrive {
             for drive in [drive1, drive4] {
                 let _ = frames.push(odrive::ask_for_estimates(drive.node));
@@ -140,40 +153,50 @@ impl Link {
 }
 
 impl Drive {
-    /// This tick's command, for a torque at the joint [N·m].
-    fn command(&mut self, protocol: &Protocol, enable: bool, torque: f32) -> Frame {
+    /// This tick's command, for a torque [N·m], an angle from where the joint was sensed [rad] and a velocity [rad/s], at the
+    /// joint.
+    fn command(&mut self, protocol: &Protocol, enable: bool, wanted: [f32; 3]) -> Frame {
         let before = self.enabled;
         self.enabled = match enable {
             true if before < STARTED => before + 1,
             true => before,
             false => 0,
         };
-        if !enable {
-            self.torque = 0.0;
-        }
-        let torque = torque / self.gear_ratio;
+        let [torque, ahead, omega] = if enable { wanted } else { [0.0; 3] };
+        let turns = self.turns + ahead * self.gear_ratio / TAU;
+        let (omega, drive_torque) = (omega * self.gear_ratio, torque / self.gear_ratio);
+        let node = self.node;
         match (protocol, before, enable) {
-            (Protocol::Odrive, 0, true) => odrive::set_torque_mode(self.node),
-            (Protocol::Odrive, 1, true) => odrive::set_axis_state(self.node, odrive::CLOSED_LOOP),
-            (Protocol::Odrive, _, true) => {
-                self.torque = torque;
-                odrive::set_input_torque(self.node, torque)
+            (Protocol::Odrive, 0, true) => odrive::set_mode(node),
+            (Protocol::Odrive, 1, true) => {
+                odrive::set_position_gain(node, self.stiffness / self.damping)
             }
-            // As long as it tells torque, in case the frame was lost.
-            (Protocol::Odrive, 0, false) if self.health != DriveHealth::Drives => {
-                // Its watchdog wants commands.
-                odrive::set_input_torque(self.node, 0.0)
+            (Protocol::Odrive, 2, true) => odrive::set_velocity_gain(node, TAU * self.damping),
+            (Protocol::Odrive, 3, true) => odrive::set_axis_state(node, odrive::CLOSED_LOOP),
+            // As long as it tells that it drives, in case the frame was lost.
+            (Protocol::Odrive, before, false)
+                if before > 0 || self.health == DriveHealth::Drives =>
+            {
+                self.torque = 0.0;
+                odrive::set_axis_state(node, odrive::IDLE)
             }
-            (Protocol::Odrive, _, false) => odrive::set_axis_state(self.node, odrive::IDLE),
-            (Protocol::Mit(_), 0, true) => mit::enable(self.node, true),
+            // Also without power: its watchdog wants commands.
+            (Protocol::Odrive, ..) => {
+                self.torque = drive_torque;
+                odrive::set_input(node, turns, omega / TAU, drive_torque)
+            }
+            (Protocol::Mit(_), 0, true) => mit::enable(node, true),
             (Protocol::Mit(ranges), _, true) => {
                 let command = mit::Command {
-                    torque,
-                    ..mit::Command::default()
+                    position: turns * TAU,
+                    velocity: omega,
+                    stiffness: self.stiffness,
+                    damping: self.damping,
+                    torque: drive_torque,
                 };
-                Frame::new(self.node.into(), command.encode(ranges))
+                Frame::new(node.into(), command.encode(ranges))
             }
-            (Protocol::Mit(_), _, false) => mit::enable(self.node, false),
+            (Protocol::Mit(_), _, false) => mit::enable(node, false),
         }
     }
 
@@ -204,13 +227,18 @@ impl Drive {
         self.is_at(reply.position / TAU);
     }
 
-    /// An answer: the motor is at this position [turns]. One that is not a number is none.
+    /// An answer: the shaft is at this position [turns]. One that is not a number is none.
     fn is_at(&mut self, turns: f32) {
         if turns.is_finite() {
-            let counts = turns * self.counts_per_turn;
-            // `as` saturates, and cuts towards 0.
-            self.counts = (counts + if counts < 0.0 { -0.5 } else { 0.5 }) as i32;
+            self.turns = turns;
             self.age = 0;
         }
+    }
+
+    /// The nearest count.
+    fn counts(&self) -> i32 {
+        let counts = self.turns * self.counts_per_turn;
+        // `as` saturates, and cuts towards 0.
+        (counts + if counts < 0.0 { -0.5 } else { 0.5 }) as i32
     }
 }

@@ -19,11 +19,18 @@ const HEARTBEAT: u16 = 0x01;
 const SET_AXIS_STATE: u16 = 0x07;
 const GET_ENCODER_ESTIMATES: u16 = 0x09;
 const SET_CONTROLLER_MODE: u16 = 0x0B;
-const SET_INPUT_TORQUE: u16 = 0x0E;
+const SET_INPUT_POS: u16 = 0x0C;
+const SET_POS_GAIN: u16 = 0x1A;
+const SET_VEL_GAINS: u16 = 0x1B;
 
-/// Control mode and input mode: the torque is what the last message asks for.
-const TORQUE_CONTROL: u32 = 1;
+/// Control mode and input mode: position, velocity and torque are what the last message asks for.
+const POSITION_CONTROL: u32 = 3;
 const PASS_THROUGH: u32 = 1;
+
+/// Velocities [turns/s] and torques [N·m] of [`set_input`] are this many times a whole number, as delivered.
+const SCALE: f32 = 0.001;
+/// The greatest velocity [turns/s] and torque [N·m] of [`set_input`].
+pub const MOST_INPUT: f32 = SCALE * i16::MAX as f32;
 
 const fn id(node: u8, message: u16) -> u16 {
     (node as u16) << 5 | message
@@ -40,10 +47,30 @@ const fn halves(data: Payload) -> ([u8; 4], [u8; 4]) {
     ([a, b, c, d], [e, f, g, h])
 }
 
-/// Asks for a torque [N·m] of the motor.
-pub const fn set_input_torque(node: u8, torque: f32) -> Frame {
-    let data = pair(torque.to_le_bytes(), [0; 4]);
-    Frame::new(id(node, SET_INPUT_TORQUE), data)
+/// Asks for a position [turns] and a velocity [turns/s] of the motor, and for a torque [N·m] besides that of the gains.
+pub fn set_input(node: u8, position: f32, velocity: f32, torque: f32) -> Frame {
+    let [[a, b], [c, d]] = [velocity, torque].map(|value| scaled(value).to_le_bytes());
+    let data = pair(position.to_le_bytes(), [a, b, c, d]);
+    Frame::new(id(node, SET_INPUT_POS), data)
+}
+
+/// The nearest whole number of scale units, within those of 16 bits.
+fn scaled(value: f32) -> i16 {
+    let units = value / SCALE;
+    // `as` saturates, and cuts towards 0.
+    (units + if units < 0.0 { -0.5 } else { 0.5 }) as i16
+}
+
+/// Sets the velocity per position error [1/s].
+pub const fn set_position_gain(node: u8, gain: f32) -> Frame {
+    let data = pair(gain.to_le_bytes(), [0; 4]);
+    Frame::new(id(node, SET_POS_GAIN), data)
+}
+
+/// Sets the torque per velocity error [N·m·s/turn], without an integral.
+pub const fn set_velocity_gain(node: u8, gain: f32) -> Frame {
+    let data = pair(gain.to_le_bytes(), [0; 4]);
+    Frame::new(id(node, SET_VEL_GAINS), data)
 }
 
 /// Asks for a state of the axis.
@@ -52,9 +79,9 @@ pub const fn set_axis_state(node: u8, state: u8) -> Frame {
     Frame::new(id(node, SET_AXIS_STATE), data)
 }
 
-/// Makes torques what the drive follows.
-pub const fn set_torque_mode(node: u8) -> Frame {
-    let data = pair(TORQUE_CONTROL.to_le_bytes(), PASS_THROUGH.to_le_bytes());
+/// Makes the drive follow [`set_input`].
+pub const fn set_mode(node: u8) -> Frame {
+    let data = pair(POSITION_CONTROL.to_le_bytes(), PASS_THROUGH.to_le_bytes());
     Frame::new(id(node, SET_CONTROLLER_MODE), data)
 }
 

@@ -2,15 +2,15 @@
 
 use super::can_torque::CanTorque;
 use super::file::Actuator;
-use super::stepper::Stepper;
 use super::settings::single;
+use super::stepper::Stepper;
 use crate::source::{Key, Refusals, Source};
+use DriveKind::{Brushed, CanTorque as Can, Stepper as Steps};
 use fivebar_firmware::drives::can::Protocol;
 use fivebar_firmware::drives::can::mit::Ranges;
 use fivebar_plant::{EncoderSide, Harmonics, Stepper as Motor};
 use serde::Deserialize;
 use std::fmt;
-use DriveKind::{Brushed, CanTorque as Can, Stepper as Steps};
 
 /// What turns a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -207,12 +207,16 @@ impl ActuatorFile {
         let continuous_torque = reader.needed("continuous_torque", self.continuous_torque);
         let max_speed = reader.needed("max_speed", self.max_speed);
         let torque_constant = self.torque_constant.unwrap_or(CanTorque::TORQUE_CONSTANT);
-        let bandwidth = self.current_bandwidth.unwrap_or(CanTorque::CURRENT_BANDWIDTH);
+        let bandwidth = self
+            .current_bandwidth
+            .unwrap_or(CanTorque::CURRENT_BANDWIDTH);
         Actuator {
             torque_constant,
             resistance: CanTorque::RESISTANCE,
             inductance: CanTorque::RESISTANCE / bandwidth,
-            encoder_counts: self.encoder_counts.unwrap_or_else(|| CanTorque::counts(&protocol)),
+            encoder_counts: self
+                .encoder_counts
+                .unwrap_or_else(|| CanTorque::counts(&protocol)),
             peak_current: peak_torque / torque_constant,
             continuous_current: continuous_torque / torque_constant,
             thermal_time_constant: CanTorque::HEATING,

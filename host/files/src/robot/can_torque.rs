@@ -102,7 +102,10 @@ pub(super) fn complete(actuators: &mut [Actuator; 2], control: &mut ControlFile)
     }
     control.tick_rate = Some(tick_rate);
     let lag_of = |actuator: &Actuator| {
-        let lag = TorqueDrives::lag_of(tick_rate as f32, (actuator.inductance / actuator.resistance) as f32);
+        let lag = TorqueDrives::lag_of(
+            tick_rate as f32,
+            (actuator.inductance / actuator.resistance) as f32,
+        );
         actuator.encoder_latency + f64::from(lag)
     };
     let lag = lag_of(&actuators[0]).max(lag_of(&actuators[1]));
@@ -150,8 +153,20 @@ pub(super) fn check(
     }
     if let Protocol::Mit(ranges) = drive.protocol {
         for (name, range, needed, of, unit) in [
-            ("torque_range", ranges.torque, drive.peak_torque, "peak_torque", "N·m"),
-            ("velocity_range", ranges.velocity, drive.max_speed, "max_speed", "rad/s"),
+            (
+                "torque_range",
+                ranges.torque,
+                drive.peak_torque,
+                "peak_torque",
+                "N·m",
+            ),
+            (
+                "velocity_range",
+                ranges.velocity,
+                drive.max_speed,
+                "max_speed",
+                "rad/s",
+            ),
         ] {
             refusals.check(positive(source, key(name), range.into()));
             if f64::from(range) < needed {
@@ -161,7 +176,11 @@ pub(super) fn check(
                 refusals.add(source.refuse(key(name), reason));
             }
         }
-        refusals.check(positive(source, key("position_range"), ranges.position.into()));
+        refusals.check(positive(
+            source,
+            key("position_range"),
+            ranges.position.into(),
+        ));
     }
 }
 
@@ -172,7 +191,8 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
     };
     let of_second = |name| Key::Of("actuator", 1, name);
     if first.protocol != second.protocol {
-        let reason = "must be the same for both drives, with the same ranges: they share a bus and a tick";
+        let reason =
+            "must be the same for both drives, with the same ranges: they share a bus and a tick";
         refusals.add(source.refuse(of_second("protocol"), reason));
     }
     if first.node == second.node {

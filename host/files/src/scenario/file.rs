@@ -63,7 +63,10 @@ fn check_kind(source: &Source<'_>, file: &ScenarioFile, robot: &Robot) -> Result
     let (name, drives) = if robot.has_steppers() {
         (file.mismatch.effect_without_steppers(), "steppers")
     } else if robot.can_drives().is_some() {
-        (file.mismatch.effect_without_torque_drives(), "drives on a CAN bus")
+        (
+            file.mismatch.effect_without_torque_drives(),
+            "drives on a CAN bus",
+        )
     } else {
         return Ok(());
     };
