@@ -238,6 +238,15 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             );
             refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
         }
+        let most = TAU * f64::from(odrive::MOST_INPUT);
+        if drive.protocol == Protocol::Odrive && speed * gear > most {
+            let reason = format!(
+                "of {joint} needs {:.1} rad/s of the drive, and its frames hold {most:.0} rad/s: lower it to {:.3} rad/s",
+                speed * gear,
+                most / gear
+            );
+            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+        }
         if let Protocol::Mit(ranges) = drive.protocol {
             let range = f64::from(ranges.position);
             let home = robot.home[joint];

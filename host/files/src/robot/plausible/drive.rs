@@ -20,6 +20,9 @@ const NATURAL: [f64; 2] = [2000.0, 20.0];
 /// The acceleration of the rotor of a drive on a bus by its peak torque, from the highest on [rad/s²].
 const ROTOR: [f64; 2] = [1e6, 300.0];
 
+/// The speed without load of a drive on a bus over its greatest speed, from the highest on.
+const NO_LOAD: [f64; 2] = [500.0, 0.2];
+
 /// The greatest speed of a drive on a bus over the one that its joint needs.
 const SPEED: [f64; 2] = [1.0, 100.0];
 
@@ -184,7 +187,16 @@ fn torque_drive(
 ) -> Vec<Plausible> {
     let key = |name| Key::Of("actuator", joint.index(), name);
     let needed = robot.limits.max_speed[joint] * motor.gear_ratio.abs();
-    vec![
+    let mut rules = Vec::new();
+    if motor.torque_constant != CanTorque::TORQUE_CONSTANT {
+        rules.push(Plausible::new(
+            key("torque_constant"),
+            (motor.torque_constant, "N·m/A"),
+            NO_LOAD.map(|share| robot.supply.voltage / (share * drive.max_speed)),
+            "without load the supply's voltage turns the motor at 1/5 to 500 times its `max_speed`",
+        ));
+    }
+    rules.extend([
         Plausible::new(
             key("continuous_torque"),
             (drive.continuous_torque, "N·m"),
@@ -197,7 +209,8 @@ fn torque_drive(
             SPEED.map(|share| share * needed),
             "1 to 100 times what the joint's `max_speed` of [limits] needs",
         ),
-    ]
+    ]);
+    rules
 }
 
 fn electrics(robot: &Robot, joint: Joint, motor: &Actuator, stall: f64) -> Vec<Plausible> {
