@@ -207,20 +207,19 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
         let reason = "is \"index\", and the drives tell no index pulse: use \"absolute\", \"switch\" or \"given\"";
         refusals.add(source.refuse(Key::In("homing", "method"), reason));
     }
-    let weight = robot.home_pose().ok().zip(robot.arm);
-    let weight = weight.and_then(|(home, arm)| arm.gravity_torque(&home).ok());
+    let weights = greatest_weights(robot);
     for joint in Joint::ALL {
         let (actuator, drive) = (&actuators[joint], [first, second][joint.index()]);
         let key = |name| Key::Of("actuator", joint.index(), name);
         let gear = actuator.gear_ratio.abs();
-        let weight = weight.map_or(0.0, |torques| torques[joint.index()].abs());
+        let weight = weights[joint.index()];
         for (name, torque) in [
             ("peak_torque", drive.peak_torque),
             ("continuous_torque", drive.continuous_torque),
         ] {
             if weight > torque * gear {
                 let reason = format!(
-                    "cannot hold {joint} against gravity: at home it needs {weight:.3} N·m at the joint, and the drive \
+                    "cannot hold {joint} against gravity: in some pose it needs {weight:.3} N·m at the joint, and the drive \
                      gives {:.3} N·m there: take a stronger one, or a greater `gear_ratio`",
                     torque * gear
                 );
@@ -261,6 +260,20 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             }
         }
     }
+}
+
+/// The greatest torques of the weight at each joint, over the poses within the limits [N·m].
+fn greatest_weights(robot: &Robot) -> [f64; 2] {
+    let Some(arm) = &robot.arm else {
+        return [0.0; 2];
+    };
+    let torques = robot
+        .poses()
+        .into_iter()
+        .filter_map(|pose| arm.gravity_torque(&pose).ok());
+    torques.fold([0.0; 2], |[most1, most4]: [f64; 2], [torque1, torque4]| {
+        [most1.max(torque1.abs()), most4.max(torque4.abs())]
+    })
 }
 
 /// Whether the bus has room for every tick, and answers are young enough.
