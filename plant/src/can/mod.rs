@@ -17,6 +17,7 @@ impl Mismatch {
         let effects = [
             ("torque_ripple", self.torque_ripple == [0.0; 2]),
             ("cogging", self.cogging == [0.0; 2]),
+            ("stiffness", self.stiffness.is_none()),
             ("supply_resistance", self.supply_resistance == 0.0),
         ];
         effects
@@ -39,7 +40,6 @@ impl FaultKind {
                     | Self::MotorDisconnected { .. }
                     | Self::MotorStalled { .. }
                     | Self::CouplingSlips { .. }
-                    | Self::BeltBreaks { .. }
                     | Self::EmergencyStop
                     | Self::EmergencyStopWelded
                     | Self::BrakeStuck { .. }

@@ -58,7 +58,12 @@ impl ArmOnBus {
 
 /// A controller of torque drives.
 pub(super) fn controller(scenario: &Scenario) -> Result<InProcess<TorqueDrives>, RunError> {
-    InProcess::new(&scenario.robot.settings()?).map_err(|error| settings_error(scenario, error))
+    let robot = &scenario.robot;
+    let settings = match scenario.control_law.is_computed_torque() {
+        true => robot.settings()?,
+        false => robot.pid_settings()?,
+    };
+    InProcess::new(&settings).map_err(|error| settings_error(scenario, error))
 }
 
 impl SimulatedArm for ArmOnBus {

@@ -94,7 +94,7 @@ pub(super) struct ActuatorFile {
 }
 
 /// The keys that not every kind takes, each with the kinds that take it.
-const OF_SOME: [(&str, &[DriveKind]); 26] = [
+const OF_SOME: [(&str, &[DriveKind]); 28] = [
     ("torque_constant", &[Brushed, Can]),
     ("encoder_counts", &[Brushed, Can]),
     ("encoder_side", &[Brushed]),
@@ -106,6 +106,8 @@ const OF_SOME: [(&str, &[DriveKind]); 26] = [
     ("current_per_code", &[Brushed]),
     ("resistance", &[Brushed, Steps]),
     ("inductance", &[Brushed, Steps]),
+    ("stiffness", &[Brushed, Steps]),
+    ("drive_damping", &[Brushed, Steps]),
     ("steps_per_turn", &[Steps]),
     ("microsteps", &[Steps]),
     ("holding_torque", &[Steps]),

@@ -207,6 +207,10 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
         let reason = "is \"index\", and the drives tell no index pulse: use \"absolute\", \"switch\" or \"given\"";
         refusals.add(source.refuse(Key::In("homing", "method"), reason));
     }
+    if robot.crossing.allowed {
+        let reason = "is for brushed motors: with drives on a CAN bus leave it out";
+        refusals.add(source.refuse(Key::In("crossing", "allowed"), reason));
+    }
     let weights = greatest_weights(robot);
     for joint in Joint::ALL {
         let (actuator, drive) = (&actuators[joint], [first, second][joint.index()]);

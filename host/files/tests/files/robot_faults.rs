@@ -245,6 +245,16 @@ fn drives_on_a_bus_are_refused_what_they_cannot_do_with_the_way_out() {
         ),
         (
             "node = 1",
+            "node = 1\nstiffness = 2000.0",
+            "is a key of kind \"brushed\" or \"stepper\"",
+        ),
+        (
+            "[protection]",
+            "[crossing]\nallowed = true\n[protection]",
+            "is for brushed motors",
+        ),
+        (
+            "node = 1",
             "node = 1\nresistance = 0.1",
             "is a key of kind \"brushed\" or \"stepper\"",
         ),

@@ -101,6 +101,16 @@ pub fn next_step(fault: Fault) -> &'static str {
         Fault::UnexpectedReset => {
             "Look for what reset the controller: its reset pin or a debugger; then home again."
         }
+        Fault::DriveSilent => {
+            "Check the drive's supply, the bus, its two terminators and the drives' `node`; with ODrive also \
+             that its heartbeat comes every 10 ms."
+        }
+        Fault::DriveError => {
+            "Read the drive's error by its own program, remove the cause, then arm again."
+        }
+        Fault::BusOff => {
+            "Check the bus: its wires, its two terminators and the bit rate, 1 Mbit/s on all."
+        }
     }
 }
 
