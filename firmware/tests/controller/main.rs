@@ -3,6 +3,7 @@
 #[path = "../shared/rig.rs"]
 mod rig;
 
+mod can_link;
 mod crossing;
 #[path = "../../../verify/stress/src/crossing_arm.rs"]
 mod crossing_arm;

@@ -106,7 +106,7 @@ impl DriveOnBus {
     /// Does what a frame asks for.
     pub(super) fn obey(&mut self, order: Order) {
         match order {
-            Order::Start if self.follows && !self.drives() => {
+            Order::Start if self.follows && matches!(self.stage, Stage::Off | Stage::Error) => {
                 (self.stage, self.unfed) = (Stage::Starts(START), 0.0);
             }
             Order::Stop => self.stop(Stage::Off),

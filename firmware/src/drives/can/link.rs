@@ -83,8 +83,8 @@ impl Link {
                     tells_state: false,
                 },
             ),
-            // `as` saturates.
-            heartbeat_ticks: (heartbeats * settings.control.tick_rate) as u16,
+            // `as` saturates, and cuts.
+            heartbeat_ticks: (heartbeats * settings.control.tick_rate + 0.5) as u16,
         }
     }
 
