@@ -104,7 +104,7 @@ impl DriveOnBus {
     }
 
     /// Does what a frame asks for.
-    pub(super) fn obey(&mut self, order: Order) {
+    pub(super) fn apply(&mut self, order: Order) {
         match order {
             Order::Start if self.follows && matches!(self.stage, Stage::Off | Stage::Error) => {
                 (self.stage, self.unfed) = (Stage::Starts(START), 0.0);
@@ -189,13 +189,13 @@ mod tests {
     /// A drive that makes this torque.
     fn driving(torque: f64) -> DriveOnBus {
         let mut drive = DriveOnBus::new(DRIVE, true);
-        drive.obey(Order::Start);
+        drive.apply(Order::Start);
         drive.pass(START, true);
         let input = Input {
             torque,
             ..Input::default()
         };
-        drive.obey(Order::Input(input));
+        drive.apply(Order::Input(input));
         drive.turn(0.0);
         drive
     }
@@ -215,8 +215,8 @@ mod tests {
     #[test]
     fn gains_make_a_spring_and_a_damper_about_the_input() {
         let mut drive = driving(0.1);
-        drive.obey(Order::PositionGain(50.0));
-        drive.obey(Order::VelocityGain(0.02));
+        drive.apply(Order::PositionGain(50.0));
+        drive.apply(Order::VelocityGain(0.02));
         // 0.1 rad ahead of a shaft that stands.
         drive.input.position = 0.1;
         drive.turn(0.0);
@@ -243,7 +243,7 @@ mod tests {
         drive.pass(1e-6, true);
         assert!(drive.is_in_error() && drive.torque() == 0.0);
         // It starts anew when it is told to.
-        drive.obey(Order::Start);
+        drive.apply(Order::Start);
         drive.pass(START, true);
         drive.turn(0.0);
         assert!(drive.drives() && drive.torque() == 0.0);
@@ -253,12 +253,12 @@ mod tests {
     fn a_drive_gives_no_more_than_its_peak_torque_and_none_unless_it_follows_its_input() {
         let mut drive = driving(7.0);
         for _ in 0..20 {
-            drive.obey(Order::Input(drive.input));
+            drive.apply(Order::Input(drive.input));
             drive.pass(1e-3, true);
         }
         assert!((drive.torque() - DRIVE.peak_torque).abs() < 1e-6);
         let mut other = DriveOnBus::new(DRIVE, false);
-        other.obey(Order::Start);
+        other.apply(Order::Start);
         other.pass(2.0 * START, true);
         assert!(!other.drives());
     }

@@ -197,7 +197,7 @@ impl CanPlant {
                 continue;
             }
             for order in orders(&self.protocol, frame, self.drives[j].drive.node) {
-                self.drives[j].obey(order);
+                self.drives[j].apply(order);
                 if order == Order::Tell {
                     let told = self.told(j);
                     self.bus.put(sender(j), answer(&self.protocol, &told));
