@@ -80,7 +80,7 @@ impl<D: Drives> ArmController<D> {
         };
         let (error1, torque1) = searched1.step(*period, state1, read(closed1, index1, current1))?;
         let (error4, torque4) = searched4.step(*period, state4, read(closed4, index4, current4))?;
-        if let Needs::Motion | Needs::Both = D::NEEDS {
+        if let Needs::Motion = D::NEEDS {
             let [state1, state4] = &self.homing;
             self.setpoint = Setpoint {
                 direction: Vector2::units([state1.angle, state4.angle]),

@@ -188,7 +188,7 @@ impl<D: Drives> ArmController<D> {
         } = self.setpoint;
         let limited = self.drives.drive(&Demand {
             torque: command.torque.map(|torque| share * torque),
-            holds: share >= 1.0,
+            keeps_to_motion: share >= 1.0 && self.keeps_to_motion(),
             velocity: self.velocities(),
             counted: self.counted(),
             motion: Motion {
@@ -198,7 +198,7 @@ impl<D: Drives> ArmController<D> {
             },
         });
         let limits = match D::NEEDS {
-            Needs::Torque | Needs::Both => command.limits,
+            Needs::Torque => command.limits,
             // The torque is the motors' own affair.
             Needs::Motion => command.limits.difference(Limits::TORQUE),
         };
@@ -215,6 +215,15 @@ impl<D: Drives> ArmController<D> {
             // Of the end of the tick.
             tool: 0,
         })
+    }
+
+    /// Whether the arm follows its path, or is held.
+    #[inline(always)]
+    fn keeps_to_motion(&self) -> bool {
+        match self.state {
+            State::Armed | State::Running | State::Stopping | State::Fault => true,
+            State::Stopped | State::Homing | State::Exciting | State::Crossing => false,
+        }
     }
 
     /// Too many missed ticks, and what else was found: the observer and the loops have lost the

@@ -47,8 +47,9 @@ pub enum Stage {
 pub struct Demand {
     /// τ1, τ4 [N·m].
     pub torque: [f32; 2],
-    /// Whether the motors hold the arm with their whole torques. While its brakes are tested they do not.
-    pub holds: bool,
+    /// Whether the arm is to keep to its motion: it is not while it homes or crosses a singularity, with limited torques,
+    /// nor while its brakes are tested.
+    pub keeps_to_motion: bool,
     /// The joints' measured velocities [rad/s].
     pub velocity: [f32; 2],
     /// θ1, θ4 as counted at this tick's sample [rad].
@@ -64,8 +65,6 @@ pub enum Needs {
     Torque,
     /// The motion, also while the arm homes.
     Motion,
-    /// Both.
-    Both,
 }
 
 /// The motion of both joints when the torque acts.

@@ -169,7 +169,7 @@ mod tests {
         let direction = Vector2::unit(wanted).into();
         Demand {
             torque: [0.0; 2],
-            holds: true,
+            keeps_to_motion: true,
             velocity: [0.0; 2],
             counted: [counted; 2],
             motion: Motion {

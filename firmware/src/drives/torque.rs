@@ -122,7 +122,7 @@ impl Drives for TorqueDrives {
     type Sample = TorqueSample;
     type Command = TorqueSetPoint;
 
-    const NEEDS: Needs = Needs::Both;
+    const NEEDS: Needs = Needs::Torque;
     /// From the order to give torque until a drive does, and tells it.
     const WAKE_UP_TIME: f32 = 0.05;
 
@@ -193,7 +193,7 @@ impl Drives for TorqueDrives {
             ahead: [0.0; 2],
             velocity: demand.velocity,
         };
-        if demand.holds {
+        if demand.keeps_to_motion {
             let ([omega1, omega4], [alpha1, alpha4]) =
                 (demand.motion.velocity, demand.motion.acceleration);
             let [lag1, lag4] = self.loop_lag;

@@ -58,6 +58,36 @@ fn the_drives_get_the_torques_that_the_status_tells() {
 }
 
 #[test]
+fn the_drives_hold_an_arm_that_is_armed_about_its_place_and_none_that_homes() {
+    let mut controller = pushing();
+    let command = controller.tick(&standing([20, -20], [0; 2]));
+    for ((ahead, counts), axis) in command
+        .drives
+        .ahead
+        .into_iter()
+        .zip([20.0, -20.0])
+        .zip(&Settings::BENCHTOP.axes)
+    {
+        let per_count = core::f32::consts::TAU / (axis.encoder_counts as f32 * axis.gear_ratio);
+        // The counts that it was armed at were 0.
+        assert!((ahead + counts * per_count).abs() < 1e-6, "{ahead} rad");
+    }
+    assert_eq!(command.drives.velocity, [0.0; 2]);
+
+    let settings = Settings::BENCHTOP.check().expect("valid settings");
+    let mut homing = ArmController::<TorqueDrives>::new(&settings);
+    homing.tick(&standing([0; 2], [0; 2]));
+    homing.request(Request::Home).expect("accepted");
+    let mut pushed = false;
+    for _ in 0..700 {
+        let TorqueSetPoint { torque, ahead, .. } = homing.tick(&standing([0; 2], [0; 2])).drives;
+        pushed |= torque[0].abs() > 1e-3;
+        assert_eq!(ahead, [0.0; 2]);
+    }
+    assert!(pushed && homing.state() == State::Homing);
+}
+
+#[test]
 fn what_a_drive_or_the_bus_shows_stops_both_in_its_tick() {
     let sample = |change: fn(&mut TorqueSample)| {
         let mut sample = standing([20, -20], [0; 2]);
