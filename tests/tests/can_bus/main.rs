@@ -2,3 +2,4 @@
 
 mod bits;
 mod frames;
+mod margins;

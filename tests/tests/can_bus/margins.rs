@@ -1,0 +1,81 @@
+//! The margin of the position loop through the bus, from the frequency response of the sampled loop: the controller's law
+//! as equations, the drive's loops and delays as transfer functions.
+
+use fivebar_files::robot::Robot;
+use fivebar_firmware::drives::can::sensed_after;
+use fivebar_firmware::drives::{DriveStiffness, Drives, Stage, TorqueDrives};
+use nalgebra::Complex;
+use std::f64::consts::PI;
+
+/// The least distance of the open loop from −1 with the arm's inertia off by this factor, and with the drives' spring and
+/// damper or without.
+fn modulus(robot: &Robot, inertia: f64, with_spring: bool) -> f64 {
+    let settings = robot.settings().unwrap().check().unwrap();
+    let control = robot.control;
+    let period = 1.0 / control.tick_rate;
+    let (protocol, drives) = robot.can_bus().unwrap();
+    let sensed = f64::from(sensed_after(&protocol, drives.map(|drive| drive.node))[0]);
+    let latency = period - sensed;
+    let lag = f64::from(TorqueDrives::lag(&settings, Stage::Moves)) + latency;
+    let (omega, zeta) = (control.bandwidth, control.damping);
+    let m = 1.0 / (1.0 + 2.0 * zeta * omega * lag + (omega * lag).powi(2));
+    let (kp, kd) = (m * omega * omega, m * 2.0 * zeta * omega);
+    let p = (-control.observer_bandwidth * period).exp();
+    let (g1, g2) = (1.0 - p * p, (1.0 - p).powi(2) / period);
+    let [spring, _] = DriveStiffness::of(&settings);
+    let per_inertia = |value: f32| f64::from(value) / f64::from(settings.nominal_inertia()[0]);
+    let (stiffness, damping) = (per_inertia(spring.stiffness), per_inertia(spring.damping));
+    let lag_of_drive = drives[0].lag;
+    let one = Complex::from(1.0);
+    // From the demanded acceleration to the angle, so long after the torque's arrival.
+    let joint = |s: Complex<f64>, delay: f64| {
+        let current = one / (one + s * lag_of_drive);
+        let tracked = one / (one + s * lag_of_drive).powi(2);
+        let spring = (stiffness + s * damping * tracked) * current;
+        let spring = if with_spring {
+            spring
+        } else {
+            Complex::from(0.0)
+        };
+        current * (-s * delay).exp() / (s * s * inertia + spring)
+    };
+    let points = (1..4000).map(|i| f64::from(i) / 4000.0 * PI / period);
+    points
+        .map(|omega| {
+            let z = Complex::new(0.0, omega * period).exp();
+            // x = A x z⁻¹ + g (θ − first row of A x z⁻¹): two equations.
+            let (a, b) = ((one - g1) / z, (one - g1) * period / z);
+            let (c, d) = (Complex::from(-g2) / z, (one - g2 * period) / z);
+            let determinant = (one - a) * (one - d) - b * c;
+            let angle = ((one - d) * g1 + b * g2) / determinant;
+            let speed = (c * g1 + (one - a) * g2) / determinant;
+            let ahead = angle + speed * lag;
+            let integral = ahead * kp * control.integral_rate * period / (z - one);
+            let law = ahead * kp + speed * kd + integral;
+            // The held torque, with the frequencies that the sampling folds onto this one.
+            let arm: Complex<f64> = (-8..=8)
+                .map(|fold| {
+                    let s = Complex::new(0.0, omega + 2.0 * PI * f64::from(fold) / period);
+                    (one - one / z) / (s * period) * joint(s, 0.2e-3 + latency)
+                })
+                .sum();
+            (one + law * arm).norm()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn the_loop_through_the_bus_keeps_its_margin_with_and_without_the_drives_spring() {
+    let leg = Robot::load("leg").unwrap();
+    // The arm's inertia as a share of the model's, and the margins without and with the spring.
+    for (inertia, margins) in [
+        (0.7, [0.45, 0.72]),
+        (1.0, [0.57, 0.76]),
+        (1.5, [0.66, 0.80]),
+    ] {
+        for (with_spring, least) in [false, true].into_iter().zip(margins) {
+            let margin = modulus(&leg, inertia, with_spring);
+            assert!(margin > least, "{inertia}, {with_spring}: {margin}");
+        }
+    }
+}
