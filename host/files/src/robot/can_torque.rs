@@ -8,6 +8,7 @@ use fivebar_firmware::drives::can::{
     BIT_RATE, MOST_LOAD, Protocol, mit, most_load, odrive, sensed_after,
 };
 use fivebar_firmware::drives::{OLDEST_SAMPLE, TorqueDrives};
+use fivebar_kinematics::control::PositionLoop;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::CanDrive;
 use std::f64::consts::TAU;
@@ -101,15 +102,17 @@ pub(super) fn complete(actuators: &mut [Actuator; 2], control: &mut ControlFile)
         actuator.encoder_latency = age;
     }
     control.tick_rate = Some(tick_rate);
-    let lag_of = |actuator: &Actuator| {
-        let lag = TorqueDrives::lag_of(
-            tick_rate as f32,
-            (actuator.inductance / actuator.resistance) as f32,
-        );
+    control.complete_by_lag(lag(actuators, tick_rate), tick_rate);
+}
+
+/// The longer time from the moment that a drive senses its motor until the torque of it acts [s].
+fn lag(actuators: &[Actuator; 2], tick_rate: f64) -> f64 {
+    let of = |actuator: &Actuator| {
+        let of_loop = actuator.inductance / actuator.resistance;
+        let lag = TorqueDrives::lag_of(tick_rate as f32, of_loop as f32);
         actuator.encoder_latency + f64::from(lag)
     };
-    let lag = lag_of(&actuators[0]).max(lag_of(&actuators[1]));
-    control.complete_by_lag(lag, tick_rate);
+    of(&actuators[0]).max(of(&actuators[1]))
 }
 
 /// Checks each drive by itself.
@@ -211,6 +214,9 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
         let reason = "is for brushed motors: with drives on a CAN bus leave it out";
         refusals.add(source.refuse(Key::In("crossing", "allowed"), reason));
     }
+    if robot.homing.method == HomeMethod::Switch {
+        sag(source, robot, actuators, refusals);
+    }
     let weights = greatest_weights(robot);
     for joint in Joint::ALL {
         let (actuator, drive) = (&actuators[joint], [first, second][joint.index()]);
@@ -263,6 +269,39 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                 refusals.add(source.refuse(key("position_range"), reason));
             }
         }
+    }
+}
+
+/// Whether an arm that homes carries its weight: its angles, and so its weight, are not known then, and the loop alone holds
+/// it.
+fn sag(source: &Source<'_>, robot: &Robot, actuators: &[Actuator; 2], refusals: &mut Refusals) {
+    let home = robot.home_pose().ok().zip(robot.arm.as_ref());
+    let known = home.and_then(|(home, arm)| {
+        Some((
+            arm.gravity_torque(&home).ok()?,
+            arm.mass_matrix(&home).ok()?,
+        ))
+    });
+    let Some((weight, mass)) = known else {
+        return;
+    };
+    let control = &robot.control;
+    let position = PositionLoop::new(
+        control.bandwidth,
+        control.damping,
+        lag(actuators, control.tick_rate),
+        control.integral_rate,
+        1.0 / control.tick_rate,
+    );
+    let sags = [0, 1].map(|j| weight[j].abs() / (mass[(j, j)] * position.kp()));
+    let (sag, most) = (sags[0].max(sags[1]), robot.protection.following_error);
+    if sag > most {
+        let reason = format!(
+            "is {most:?} rad, and by {sag:.4} rad a joint sinks under its weight while it homes, where only the loop holds \
+             it: at least {:.3} rad are needed",
+            1.5 * sag
+        );
+        refusals.add(source.refuse(Key::In("protection", "following_error"), reason));
     }
 }
 

@@ -244,6 +244,11 @@ fn drives_on_a_bus_are_refused_what_they_cannot_do_with_the_way_out() {
             "is a key of kind \"stepper\", and this drive is of kind \"can-torque\"",
         ),
         (
+            "following_error = 0.05",
+            "following_error = 0.005",
+            "a joint sinks under its weight while it homes",
+        ),
+        (
             "node = 1",
             "node = 1\nstiffness = 2000.0",
             "is a key of kind \"brushed\" or \"stepper\"",
