@@ -3,6 +3,10 @@
 //! A command has eight bytes: position (16 bits), velocity, stiffness, damping and torque (12 bits each), each a share
 //! of its own range. The identifier is the drive's node; the answer names the node in its first byte. Positions and
 //! torques are of the drive's output, behind its gear.
+//!
+//! The scaling is that of two independent programs: `canmotorlib.py` of
+//! github.com/dfki-ric-underactuated-lab/mini-cheetah-tmotor-python-can for T-Motor's drives, and
+//! github.com/jia-xie/python-damiao-driver for Damiao's. Only Damiao's tell their state.
 
 use super::{Frame, Payload};
 
