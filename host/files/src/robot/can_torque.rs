@@ -3,7 +3,7 @@
 use super::file::ControlFile;
 use super::value::positive;
 use super::{Actuator, HomeMethod, Robot};
-use crate::source::{Key, Refusals, Source};
+use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_firmware::drives::can::{
     BIT_RATE, MOST_LOAD, Protocol, mit, most_load, odrive, sensed_after,
 };
@@ -92,17 +92,23 @@ fn ages(drives: &[Actuator; 2], tick_rate: f64) -> Option<[f64; 2]> {
     Some(sensed.map(|after| (1.0 / tick_rate - f64::from(after)).max(0.0)))
 }
 
-/// Notes the age of the answers, as the latency of the encoders, and gives the loops what the bus allows.
-pub(super) fn complete(actuators: &mut [Actuator; 2], control: &mut ControlFile) {
+/// Notes the age of the answers of drives on a bus, as the latency of the encoders, and gives the loops what the bus
+/// allows.
+pub(super) fn completed(
+    actuators: Option<[Actuator; 2]>,
+    control: &mut ControlFile,
+) -> Option<[Actuator; 2]> {
+    let mut actuators = actuators?;
     let tick_rate = control.tick_rate.unwrap_or(CanTorque::TICK_RATE);
-    let Some(ages) = ages(actuators, tick_rate) else {
-        return;
+    let Some(ages) = ages(&actuators, tick_rate) else {
+        return Some(actuators);
     };
     for (actuator, age) in actuators.iter_mut().zip(ages) {
         actuator.encoder_latency = age;
     }
     control.tick_rate = Some(tick_rate);
-    control.complete_by_lag(lag(actuators, tick_rate), tick_rate);
+    control.complete_by_lag(lag(&actuators, tick_rate), tick_rate);
+    Some(actuators)
 }
 
 /// The longer time from the moment that a drive senses its motor until the torque of it acts [s].
@@ -256,20 +262,33 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             );
             refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
         }
-        if let Protocol::Mit(ranges) = drive.protocol {
-            let range = f64::from(ranges.position);
-            let home = robot.home[joint];
-            let ends = robot.limits.angle[joint].map(|angle| (angle - home).abs() * gear);
-            let most = ends[0].max(ends[1]);
-            if most > range {
-                let reason = format!(
-                    "of {range:?} rad ends before {joint} does: its `angle` of [limits] is up to {most:.2} rad of the \
-                     drive from home"
-                );
-                refusals.add(source.refuse(key("position_range"), reason));
-            }
+        refusals.check(positions(source, robot, joint, &drive, gear));
+    }
+}
+
+/// Whether the frames hold the positions of a joint, whose drive turns so many times as fast.
+fn positions(
+    source: &Source<'_>,
+    robot: &Robot,
+    joint: Joint,
+    drive: &CanTorque,
+    gear: f64,
+) -> Result<(), FileError> {
+    if let Protocol::Mit(ranges) = drive.protocol {
+        let range = f64::from(ranges.position);
+        let home = robot.home[joint];
+        let ends = robot.limits.angle[joint].map(|angle| (angle - home).abs() * gear);
+        let most = ends[0].max(ends[1]);
+        if most > range {
+            let reason = format!(
+                "of {range:?} rad ends before {joint} does: its `angle` of [limits] is up to {most:.2} rad of the \
+                 drive from home"
+            );
+            let key = Key::Of("actuator", joint.index(), "position_range");
+            return Err(source.refuse(key, reason));
         }
     }
+    Ok(())
 }
 
 /// Whether an arm that homes carries its weight: its angles, and so its weight, are not known then, and the loop alone holds

@@ -1,7 +1,7 @@
 //! Checks a robot file and makes a robot of it.
 
 use super::actuator::ActuatorFile;
-use super::file::{LinkFile, RobotFile};
+use super::file::{ControlFile, LinkFile, RobotFile};
 use super::home::best_conditioned;
 use super::value::{
     LEAST_ACCELERATION, LEAST_INERTIA, LEAST_JERK, LEAST_MASS, LEAST_SPEED, LONGEST, NOT_NEGATIVE,
@@ -33,10 +33,8 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         let geometry = refusals.noted(geometry(&source, links, file.base));
         (geometry, inertias(&source, links, &mut refusals))
     });
-    let mut actuators = actuators(&source, file.actuator, &mut refusals);
-    if let Ok(Some(actuators)) = &mut actuators {
-        can_torque::complete(actuators, &mut file.control);
-    }
+    let actuators = actuators(&source, file.actuator, &mut refusals);
+    let actuators = actuators.map(|all| can_torque::completed(all, &mut file.control));
     let sides = file.working_mode.each_ref().map(|name| side(&source, name));
     let [elbow1, elbow4] = sides.map(|side| refusals.noted(side));
     let tool_output = refusals.noted(tool_output::read(&source, &file.tool_output));
@@ -98,12 +96,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         advanced: file.advanced,
         belts: None,
     };
-    robot.rigid_control = file.control.completed(&robot);
-    robot.belts = file.control.belts(&robot);
-    robot.control = match robot.belts {
-        Some(_) => file.control.completed(&robot),
-        None => robot.rigid_control,
-    };
+    close_loops(&mut robot, &file.control);
     consistent(&source, &robot, file.home.is_some())?;
     Ok(robot)
 }
@@ -114,6 +107,16 @@ fn default_home(tool: &five_bar::Tool<f64>, elbows: WorkingMode, limits: &Limits
     pose.map_or([0.0; 2], |pose| {
         [pose.u1.polar_angle(), pose.u4.polar_angle()]
     })
+}
+
+/// Gives the robot the loops of its file, or such as suit its arm.
+fn close_loops(robot: &mut Robot, control: &ControlFile) {
+    robot.rigid_control = control.completed(robot);
+    robot.belts = control.belts(robot);
+    robot.control = match robot.belts {
+        Some(_) => control.completed(robot),
+        None => robot.rigid_control,
+    };
 }
 
 /// Whether the values agree with one another.

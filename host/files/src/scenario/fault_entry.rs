@@ -310,8 +310,12 @@ impl FaultEntry {
                 joint: keys.joint()?,
                 steps: keys.steps()?,
             },
-            Kind::CanSilent => FaultKind::CanSilent { joint: joint()? },
-            Kind::CanReset => FaultKind::CanReset { joint: joint()? },
+            Kind::CanSilent => FaultKind::CanSilent {
+                joint: keys.joint()?,
+            },
+            Kind::CanReset => FaultKind::CanReset {
+                joint: keys.joint()?,
+            },
             Kind::CanBusOff => FaultKind::CanBusOff,
             Kind::PayloadChanges => FaultKind::PayloadChanges {
                 kilograms: keys.finite(

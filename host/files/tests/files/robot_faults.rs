@@ -202,6 +202,7 @@ fn leg(old: &str, new: &str) -> String {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn drives_on_a_bus_are_refused_what_they_cannot_do_with_the_way_out() {
     let mit =
         "protocol = \"mit\"\nposition_range = 12.5\nvelocity_range = 640.0\ntorque_range = 2.0";

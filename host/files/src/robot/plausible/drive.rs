@@ -131,21 +131,7 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
             rules.push(Plausible::new(key(name), time, BRAKE_TIMES, reason).or_zero());
         }
     }
-    if let Some(stiffness) = motor.stiffness {
-        rules.push(Plausible::new(
-            key("stiffness"),
-            (stiffness, "N·m/rad"),
-            [peak_torque / TWIST, f64::MAX],
-            "the motor's peak torque would twist gear or belt by more than 0.2 rad",
-        ));
-        let critical = 2.0 * (stiffness * motor.motor().reflected_inertia()).sqrt();
-        rules.push(Plausible::new(
-            key("drive_damping"),
-            (motor.drive_damping, "N·m·s/rad"),
-            [0.0, DAMPING * critical],
-            "4 times the critical damping of the rotor on its `stiffness`",
-        ));
-    }
+    rules.extend(belt(joint, motor, peak_torque));
     rules.extend(encoder(joint, motor));
     let per_turn = motor.gear_ratio.abs();
     let counts = COUNTS.max(COUNTS_OF_ERROR * TAU / robot.protection.following_error);
@@ -156,6 +142,29 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
         "500 per turn of the joint, and 4 in the `following_error` of [protection]",
     ));
     rules
+}
+
+/// Gear or belt, if it stretches.
+fn belt(joint: Joint, motor: &Actuator, peak_torque: f64) -> Vec<Plausible> {
+    let key = |name| Key::Of("actuator", joint.index(), name);
+    let Some(stiffness) = motor.stiffness else {
+        return Vec::new();
+    };
+    let critical = 2.0 * (stiffness * motor.motor().reflected_inertia()).sqrt();
+    vec![
+        Plausible::new(
+            key("stiffness"),
+            (stiffness, "N·m/rad"),
+            [peak_torque / TWIST, f64::MAX],
+            "the motor's peak torque would twist gear or belt by more than 0.2 rad",
+        ),
+        Plausible::new(
+            key("drive_damping"),
+            (motor.drive_damping, "N·m·s/rad"),
+            [0.0, DAMPING * critical],
+            "4 times the critical damping of the rotor on its `stiffness`",
+        ),
+    ]
 }
 
 /// What is known of the encoder's errors.
