@@ -6,6 +6,7 @@ pub mod crossing;
 pub mod drive;
 pub mod excitation;
 pub mod held;
+pub mod learning;
 pub mod link;
 pub mod measured_pose;
 pub mod path_queue;

@@ -47,10 +47,28 @@ pub struct Record {
     pub lost_steps: Option<[i64; 2]>,
 }
 
+/// What one who watches a run says in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Where the tool should be [m], if that is not the controller's reference.
+    pub wanted: Option<[f64; 2]>,
+    /// The run is to be stopped on its path.
+    pub stop: bool,
+}
+
+/// One who watches a run from the beginning of the job to its end, as a host can: by the controller's status.
+pub trait Watch {
+    /// Sees the status of a tick.
+    fn watch(&mut self, status: &Status) -> Seen;
+}
+
 /// A controller and the simulated arm in lockstep.
 pub struct Simulation<'a, T, P> {
     target: &'a mut T,
     plant: P,
+    watch: Option<&'a mut dyn Watch>,
+    /// The one who watches has stopped the run.
+    stopped: bool,
     /// Period of the tick [s].
     period: f64,
     record: Record,
@@ -73,10 +91,21 @@ impl<'a, P: SimulatedArm, T: Target<P::Drives>> Simulation<'a, T, P> {
         Self {
             target,
             plant,
+            watch: None,
+            stopped: false,
             period: 1.0 / tick_rate,
             record: Record::default(),
             job: JobSums::default(),
             ended: false,
+        }
+    }
+
+    /// The same while someone watches.
+    #[must_use]
+    pub fn watched_by(self, watch: &'a mut dyn Watch) -> Self {
+        Self {
+            watch: Some(watch),
+            ..self
         }
     }
 
@@ -154,11 +183,23 @@ impl<'a, P: SimulatedArm, T: Target<P::Drives>> Simulation<'a, T, P> {
             if self.record.ticks.is_multiple_of(every) {
                 progress(way);
             }
+            if self.stopped {
+                return self.stop();
+            }
             let done = offered == moves.len() && self.target.is_idle();
             if done || !self.record.faults.is_empty() {
                 return Ok(());
             }
         }
+    }
+
+    /// Stops on the path.
+    fn stop(&mut self) -> Result<(), TargetError> {
+        self.target.request(Request::Stop)?;
+        while !self.target.is_idle() && self.record.faults.is_empty() {
+            self.tick()?;
+        }
+        Ok(())
     }
 
     fn pause(&mut self, time: f64) -> Result<(), TargetError> {
@@ -214,7 +255,13 @@ impl<'a, P: SimulatedArm, T: Target<P::Drives>> Simulation<'a, T, P> {
         let Some(reported) = Sample::reported(status, now - begun) else {
             return;
         };
+        let seen = match &mut self.watch {
+            Some(watch) if !self.ended => watch.watch(status),
+            _ => Seen::default(),
+        };
+        self.stopped |= seen.stop;
         let sample = Sample {
+            reference: seen.wanted.unwrap_or(reported.reference),
             tool: self.plant.tool(),
             angle: Joint::ALL.map(|j| self.plant.angle(j)),
             torque,

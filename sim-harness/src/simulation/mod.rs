@@ -13,10 +13,10 @@ mod trace;
 pub use arm::SimulatedArm;
 pub use by_cause::CauseError;
 pub use can_bus::ArmOnBus;
-pub use control_loop::{Record, Simulation};
+pub use control_loop::{Record, Seen, Simulation, Watch};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
 pub use joints::{JointHistory, PeakForce};
-pub use summary::{Summary, TipError, fault_name};
+pub use summary::{LearningSummary, RunErrors, Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
 
 use crate::link::{InProcess, Target, TargetError};
@@ -146,6 +146,17 @@ pub trait Simulate {
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError>;
 
+    /// Runs moves in this process, else as [`Simulate::simulate`], while someone watches.
+    ///
+    /// # Errors
+    /// As [`Simulate::simulate`].
+    fn run_watched(
+        &self,
+        moves: &[Move],
+        watch: &mut dyn Watch,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError>;
+
     /// The tip errors without any mismatch, with each alone, and with all: `all` is the run
     /// itself. What the robot file states of the drives stays in every run.
     ///
@@ -188,16 +199,16 @@ impl Simulate for Scenario {
     }
 
     fn plant(&self) -> Result<Plant, RunError> {
-        self.robot.brushed()?;
+        let arm = self.arm().brushed()?;
         let pose = start_pose(self)?;
-        let parameters = self.robot.plant_parameters()?;
+        let parameters = arm.plant_parameters()?;
         check_mismatch(self, &parameters)?;
         let mut plant = Plant::new(&parameters, &self.mismatch, &pose, self.seed);
         if let Some(clearance) = self.clearance {
             if plant.drives().is_some() {
                 return Err(RunError::WornDrives);
             }
-            plant = plant.worn(WornJoints::new(&self.robot.contact, clearance)?);
+            plant = plant.worn(WornJoints::new(&arm.contact, clearance)?);
         }
         plant.rewire(&self.wiring);
         for &fault in &self.initial_faults {
@@ -219,6 +230,7 @@ impl Simulate for Scenario {
                 &mut steppers::controller(self)?,
                 plant,
                 &moves,
+                None,
                 progress,
             );
         }
@@ -246,7 +258,24 @@ impl Simulate for Scenario {
         moves: &[Move],
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        run(self, target, self.plant()?, moves, progress)
+        run(self, target, self.plant()?, moves, None, progress)
+    }
+
+    fn run_watched(
+        &self,
+        moves: &[Move],
+        watch: &mut dyn Watch,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError> {
+        let mut target = self.controller()?;
+        run(
+            self,
+            &mut target,
+            self.plant()?,
+            moves,
+            Some(watch),
+            progress,
+        )
     }
 
     fn by_cause(&self, job: &Job, all: &Summary) -> Result<Vec<CauseError>, RunError> {
@@ -271,10 +300,14 @@ fn run<P: SimulatedArm>(
     target: &mut impl Target<P::Drives>,
     plant: P,
     moves: &[Move],
+    watch: Option<&mut dyn Watch>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Summary, Record), RunError> {
     let started = Instant::now();
-    let simulation = Simulation::new(target, plant, scenario.robot.control.tick_rate);
+    let mut simulation = Simulation::new(target, plant, scenario.robot.control.tick_rate);
+    if let Some(watch) = watch {
+        simulation = simulation.watched_by(watch);
+    }
     let record = simulation.run(moves, &scenario.faults, progress)?;
     let summary = Summary {
         robot: scenario.robot.name.clone(),
@@ -305,7 +338,7 @@ fn start_pose(scenario: &Scenario) -> Result<Pose<f64>, RunError> {
         true => -BEFORE_HOME,
         false => BEFORE_HOME,
     });
-    Ok(scenario.robot.pose_near_home(before)?)
+    Ok(scenario.arm().pose_near_home(before)?)
 }
 
 /// Whether the mismatch fits the robot.

@@ -11,7 +11,7 @@ use fivebar_plant::{PlantFault, Stepper, StepperPlant};
 /// The simulated arm, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors.
 pub(super) fn plant(scenario: &Scenario, motors: &[Stepper; 2]) -> Result<StepperPlant, RunError> {
     let pose = start_pose(scenario)?;
-    let parameters = scenario.robot.plant_parameters()?;
+    let parameters = scenario.arm().plant_parameters()?;
     check_mismatch(scenario, &parameters)?;
     let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
     let mut plant = StepperPlant::new(&parameters, motors, mismatch, &pose, seed);

@@ -37,6 +37,36 @@ impl TipError {
     }
 }
 
+/// The errors of one of the runs of a job that is repeated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct RunErrors {
+    /// RMS tip error, as the arm truly went [m].
+    pub rms_m: f64,
+    /// Greatest tip error, as the arm truly went [m].
+    pub max_m: f64,
+    /// What is left of it after the best shift and turn of the whole drawing.
+    pub placed: TipError,
+    /// As the sensors see it.
+    pub sensed: TipError,
+}
+
+/// What was learnt from the runs of a job.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LearningSummary {
+    /// Where the filter's gain is a half [Hz].
+    pub band_hz: f64,
+    /// The greatest factor by which an error shrinks from run to run, from the loop's frequency response.
+    pub contraction: f64,
+    /// Greatest shift of the way in the best run [m].
+    pub shift_max_m: f64,
+    /// The last run that was better than the one before by a share worth naming, from 1.
+    pub settled: Option<usize>,
+    /// Why learning ended before the last run, and its last shift was undone.
+    pub undone: Option<String>,
+    /// Why what was learnt before was not used.
+    pub forgotten: Option<String>,
+}
+
 /// The figures of a run: `summary.json`, and the last line with `--json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
@@ -72,6 +102,21 @@ pub struct Summary {
     /// The errors with each mismatch alone, if those runs were made.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub by_cause: Vec<CauseError>,
+    /// The runs of a job that is repeated; the rest of the summary is of the best one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub runs: Vec<RunErrors>,
+    /// The same runs with PID at each joint.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pid_runs: Vec<RunErrors>,
+    /// Whether those runs were learnt from.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub pid_learns: bool,
+    /// RMS of the part of the sensed error that was the same in all runs, and of the rest [m]; of runs without learning.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeats_m: Option<[f64; 2]>,
+    /// What was learnt from them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learning: Option<LearningSummary>,
     /// The folder with the report.
     pub out_dir: String,
 }

@@ -1,5 +1,6 @@
-//! What jobs ask of an arm at home, and jobs on steppers.
+//! What jobs ask of an arm at home, jobs on steppers, and jobs that are learnt.
 
 mod approach;
 mod can_bus;
+mod learning;
 mod steppers;

@@ -20,6 +20,8 @@ struct ScenarioFile {
     /// A built-in robot, or a robot file relative to this file's folder.
     #[serde(default = "default_robot")]
     robot: String,
+    /// The arm that the mismatch changes, named like the robot; none: the robot.
+    arm: Option<String>,
     /// The G-code file, relative to this file's folder.
     job: String,
     /// The position of the job's (0, 0) [m].
@@ -111,11 +113,22 @@ impl Scenario {
                 (Some(at), kind) => faults.push(PlantFault { at, kind }),
             }
         }
-        let robot = match BuiltIn::find(&file.robot) {
-            Some(built_in) => built_in.robot()?,
-            None => Robot::load(&beside(path, &file.robot))?,
+        let load = |name: &str| match BuiltIn::find(name) {
+            Some(built_in) => built_in.robot(),
+            None => Robot::load(&beside(path, name)),
         };
-        if let Ok(parameters) = robot.plant_parameters() {
+        let robot = load(&file.robot)?;
+        let arm = file.arm.as_deref().map(load).transpose()?;
+        if let Some(arm) = &arm
+            && arm.has_steppers() != robot.has_steppers()
+        {
+            let reason = format!(
+                "`{}` and the robot `{}` have drives of different kinds",
+                arm.name, robot.name
+            );
+            return Err(source.refuse(Key::Top("arm"), reason).into());
+        }
+        if let Ok(parameters) = arm.as_ref().unwrap_or(&robot).plant_parameters() {
             let fits = file.mismatch.check_for(&parameters);
             fits.map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))?;
             check_kind(&source, &file, &robot)?;
@@ -128,6 +141,7 @@ impl Scenario {
         Ok(Self {
             name: file.name.unwrap_or_else(|| stem(path)),
             robot,
+            arm,
             job_file,
             job_text,
             origin: file.origin,

@@ -27,6 +27,8 @@ pub struct Scenario {
     pub name: String,
     /// The arm as the controller's model has it.
     pub robot: Robot,
+    /// The arm that the mismatch changes, if it is another one: one whose robot file was measured.
+    pub arm: Option<Robot>,
     /// The job's file, as the user named it.
     pub job_file: String,
     /// The job's G-code.
@@ -103,11 +105,17 @@ pub enum ScenarioError {
 }
 
 impl Scenario {
+    /// The arm before the mismatch: the robot, unless the scenario names another one.
+    pub fn arm(&self) -> &Robot {
+        self.arm.as_ref().unwrap_or(&self.robot)
+    }
+
     /// A scenario with this robot and this job, under the declared mismatch.
     pub fn new(name: &str, robot: Robot, job_file: &str, job_text: String) -> Self {
         Self {
             name: name.into(),
             robot,
+            arm: None,
             job_file: job_file.into(),
             job_text,
             origin: None,

@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
+use super::repeat::RepeatArgs;
 use super::say::say;
 use super::sim;
 use fivebar_files::robot::{BuiltIn, Robot};
@@ -15,7 +16,8 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(BuiltIn::DEFAULT).map_err(refused)?;
-    sim::simulate(&Scenario::demonstration(robot), &args.output, false)?;
+    let scenario = Scenario::demonstration(robot);
+    sim::simulate(&scenario, &args.output, false, &RepeatArgs::default())?;
     if !args.output.json {
         say(format_args!(
             "\nOpen the report in a browser. `fivebar sim JOB.gcode` draws your own job; \

@@ -195,6 +195,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "fivebar sim my.gcode --robot my-arm.toml --out out/mine",
             "fivebar sim my.gcode --origin 0.02,0.14 --scale 0.5 --log out/run.mcap",
             "fivebar sim scenario.toml --by-cause --json",
+            "fivebar sim my.gcode --repeat 4 --learn",
         ],
     ),
     (

@@ -36,6 +36,7 @@ mod plan;
 mod port;
 mod query;
 mod questions;
+mod repeat;
 mod rewrite;
 mod robots;
 mod run_args;

@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
+use super::repeat::{Compared, RepeatArgs, print as print_runs};
 use super::run_args::RunArgs;
 use super::say::{say, warn};
 use fivebar_files::job::Job;
@@ -17,20 +18,24 @@ pub(super) struct Args {
     #[command(flatten)]
     run: RunArgs,
     /// Run the job also with each mismatch of the scenario alone, and show the error by cause.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "repeat")]
     by_cause: bool,
+    #[command(flatten)]
+    repeat: RepeatArgs,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    simulate(&args.run.scenario()?, &args.run.output, args.by_cause)
+    let scenario = args.run.scenario()?;
+    simulate(&scenario, &args.run.output, args.by_cause, &args.repeat)
 }
 
 /// Runs a scenario, once more with PID at each joint for comparison, and on demand with each mismatch
-/// alone; writes and prints the results.
+/// alone or several times; writes and prints the results.
 pub(super) fn simulate(
     scenario: &Scenario,
     output: &OutputArgs,
     by_cause: bool,
+    repeat: &RepeatArgs,
 ) -> Result<(), Failure> {
     let folders = output.prepare("sim")?;
     let job = scenario.job().map_err(refused)?;
@@ -41,26 +46,17 @@ pub(super) fn simulate(
         .check(&job)
         .map_err(|error| refusal(scenario, &error))?;
     let bar = progress_bar(path_lengths(scenario, &job).last().copied());
-    let (ours, pid) = rayon::join(
-        || {
-            let progress = &mut |done| bar.set_position(millimetres(done));
-            scenario.simulate(&job, progress)
-        },
-        || {
-            // Steppers follow the same micro-steps under any law.
-            let compared =
-                scenario.control_law != ControlLaw::Pid && !scenario.robot.has_steppers();
-            let pid = Scenario {
-                control_law: ControlLaw::Pid,
-                ..scenario.clone()
-            };
-            compared.then(|| pid.simulate(&job, &mut |_| ()))
-        },
-    );
+    let progress = &mut |done| bar.set_position(millimetres(done));
+    let compared = match repeat.runs() {
+        Some(_) => repeat.run(scenario, &job, &folders, progress),
+        None => run_once(scenario, &job, progress),
+    };
     bar.finish_and_clear();
-    let (mut summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
-    // PID may fail where computed torque does not; then there is no comparison.
-    let pid = pid.and_then(Result::ok);
+    let Compared {
+        mut summary,
+        record,
+        pid,
+    } = compared?;
     summary.out_dir = folders.out.path().display().to_string();
     summary.pid_tip_error = pid.as_ref().map(|(pid, _)| pid.tip_error);
     if by_cause {
@@ -85,8 +81,36 @@ pub(super) fn simulate(
         say(serde_json::to_string(&summary).map_err(refused)?)?;
     } else {
         print(&summary, &record)?;
+        print_runs(&summary)?;
     }
     outcome(scenario, &record)
+}
+
+fn run_once(
+    scenario: &Scenario,
+    job: &Job,
+    progress: &mut (dyn FnMut(f64) + Send),
+) -> Result<Compared, Failure> {
+    let (ours, pid) = rayon::join(
+        || scenario.simulate(job, progress),
+        || {
+            // Steppers follow the same micro-steps under any law.
+            let compared =
+                scenario.control_law != ControlLaw::Pid && !scenario.robot.has_steppers();
+            let pid = Scenario {
+                control_law: ControlLaw::Pid,
+                ..scenario.clone()
+            };
+            compared.then(|| pid.simulate(job, &mut |_| ()))
+        },
+    );
+    let (summary, record) = ours.map_err(|error| refusal(scenario, &error))?;
+    Ok(Compared {
+        summary,
+        record,
+        // PID may fail where computed torque does not; then there is no comparison.
+        pid: pid.and_then(Result::ok),
+    })
 }
 
 pub(super) fn refusal(scenario: &Scenario, error: &RunError) -> Failure {

@@ -215,7 +215,7 @@ pub(super) fn arm(
     robot: &Robot,
 ) -> Result<(Loopback, OperatorActions), StepError> {
     let settings = robot.settings().map_err(StepError::other)?;
-    let true_robot = &scenario.robot;
+    let true_robot = scenario.arm();
     let mismatch = &scenario.mismatch;
     let mut lengths = true_robot.geometry.lengths();
     let [l1, l2, l3, l4] = mismatch.link_length;

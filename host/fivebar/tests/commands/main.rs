@@ -29,6 +29,7 @@ mod plan;
 mod query;
 mod query_slider;
 mod random_arms;
+mod repeat;
 mod shell_help;
 mod sim;
 mod sim_motors;
