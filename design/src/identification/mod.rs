@@ -10,6 +10,7 @@
 
 mod arm_masses;
 mod check;
+mod encoders;
 mod error;
 mod estimate;
 mod excitation;
@@ -24,6 +25,7 @@ mod regressor;
 mod validation;
 
 pub use arm_masses::{base_parameters, standard_parameters};
+pub use encoders::{ENCODER_HARMONICS, EncoderErrors, FoundErrors, identify_encoders};
 pub use error::IdentificationError;
 pub use estimate::{Identification, identify};
 pub use excitation::{Excitation, HARMONICS};

@@ -4,6 +4,7 @@ use super::StepError;
 use super::line::Line;
 use super::log::LogRows;
 use super::operator::{Operator, Task};
+use fivebar_files::measurements::read_columns;
 use fivebar_files::robot::{Actuator, HomeMethod, Robot};
 use fivebar_firmware::controller::{Excitation, ExcitationEnd, Excited};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
@@ -11,6 +12,7 @@ use fivebar_firmware::recorder::{LogConfig, LogPage, PAGE_WORDS, Signals};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Request, SensorSample, Settings, Status};
 use fivebar_kinematics::five_bar::Joint;
+use fivebar_report::output::write_whole;
 use fivebar_sim::drive::{Drive, Homing};
 use fivebar_sim::link::Client;
 use std::f64::consts::TAU;
@@ -38,6 +40,8 @@ pub(super) struct Bench {
     pub(super) greatest: [[f64; 2]; 2],
     /// Touched holes in place of those that the geometry step asks for.
     pub(super) points: Option<PathBuf>,
+    /// Where the touched holes are kept.
+    pub(super) holes_file: PathBuf,
 }
 
 /// A voltage on a motor, see [`Excitation`].
@@ -78,6 +82,7 @@ impl Bench {
             placement: [0.0; 3],
             greatest: [[0.0; 2]; 2],
             points,
+            holes_file: PathBuf::new(),
         })
     }
 
@@ -109,6 +114,24 @@ impl Bench {
             *zero = codes.iter().sum::<f64>() / codes.len().max(1) as f64;
         }
         Ok(())
+    }
+
+    /// Keeps touched holes: rows of counts1, counts4, x, y.
+    pub(super) fn keep_holes(&self, rows: &[[f64; 4]]) -> Result<(), StepError> {
+        let mut text = String::from("counts1,counts4,x,y\n");
+        for [counts1, counts4, x, y] in rows {
+            text += &format!("{counts1},{counts4},{x},{y}\n");
+        }
+        write_whole(&self.holes_file, text).map_err(StepError::other)
+    }
+
+    /// The touched holes that were kept; none if there are none.
+    pub(super) fn holes(&self) -> Result<Option<Vec<[f64; 4]>>, StepError> {
+        if !self.holes_file.exists() {
+            return Ok(None);
+        }
+        let rows = read_columns(&self.holes_file, ["counts1", "counts4", "x", "y"]);
+        rows.map(Some).map_err(StepError::other)
     }
 
     /// Says what a step does.

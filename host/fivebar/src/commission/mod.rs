@@ -83,6 +83,7 @@ impl Commissioning {
         let line: Box<dyn Line> = Box::new(Stoppable::new(line, Arc::clone(&stop)));
         let (client, _) = Client::open(line)?;
         let mut bench = Bench::new(client, operator, drawn, robot, options.points.clone())?;
+        bench.holes_file = record.holes_path();
         bench.placement = record.placement();
         Ok(Self {
             bench,

@@ -152,6 +152,11 @@ impl Record {
         })
     }
 
+    /// Where the touched holes are.
+    pub(super) fn holes_path(&self) -> PathBuf {
+        self.folder.join("holes.csv")
+    }
+
     /// Where the robot file with what was measured is.
     pub(super) fn robot_path(&self) -> PathBuf {
         self.folder.join(ROBOT)
@@ -167,8 +172,9 @@ impl Record {
     pub(super) fn placement(&self) -> [f64; 3] {
         ["plate_x_m", "plate_y_m", "plate_phi_rad"].map(|name| {
             let mut values = self.steps.iter().flat_map(|done| &done.values);
+            // A later step may know better.
             values
-                .find(|value| value.name == name)
+                .rfind(|value| value.name == name)
                 .map_or(0.0, |value| value.value)
         })
     }

@@ -4,90 +4,150 @@
 //! less that sum over n. Its derivatives are those of the joint's offset times −sin hφ/n and
 //! −cos hφ/n.
 
+use super::super::bench::Bench;
+use super::super::finding::StepError;
 use super::fit::least_squares;
 use fivebar_design::calibration::{Parameters, Touch, tip};
+use fivebar_design::identification::{ENCODER_HARMONICS, EncoderErrors};
+use fivebar_files::robot::MeasuredKey;
 use fivebar_kinematics::five_bar::{Joint, Side};
+use fivebar_plant::EncoderSide;
 use nalgebra::SMatrix;
+use std::f64::consts::TAU;
 
-/// Harmonics of each shaft.
-const HARMONICS: usize = 2;
-/// Lengths, offsets and placement; sine and cosine of each harmonic of both shafts.
-const UNKNOWNS: usize = 10 + 4 * HARMONICS;
+/// Lengths, offsets and placement.
+const PLAIN: usize = 10;
+/// Besides, sine and cosine of each harmonic of both shafts.
+const UNKNOWNS: usize = PLAIN + 4 * ENCODER_HARMONICS;
 const ROUNDS: usize = 12;
 
 /// The best arm with errors of its encoders.
 pub(super) struct WithErrors {
     /// Lengths, offsets and placement.
     pub(super) parameters: Parameters,
-    /// s and c of each harmonic of each joint's shaft [rad].
-    pub(super) terms: [[[f64; 2]; HARMONICS]; 2],
+    /// Of each joint's shaft.
+    pub(super) errors: EncoderErrors,
     /// Root mean square of the residuals [m].
     pub(super) residual: f64,
 }
 
-impl WithErrors {
-    /// The error of a joint's shaft over its ratio [rad], with the joint at `theta`.
-    pub(super) fn at(&self, joint: Joint, theta: f64, ratio: f64) -> f64 {
-        error(&self.terms[joint], theta, ratio)
-    }
-
-    /// Amplitude and phase of each harmonic of a joint's shaft, as a robot file has them.
-    pub(super) fn text(&self, joint: Joint) -> String {
-        let terms: Vec<String> = (1..)
-            .zip(self.terms[joint])
-            .map(|(harmonic, [s, c]): (u32, [f64; 2])| {
-                let (amplitude, phase) = (s.hypot(c), c.atan2(s));
-                format!(
-                    "{{ harmonic = {harmonic}, amplitude = {amplitude:.6e}, phase = {phase:.6} }}"
-                )
-            })
-            .collect();
-        format!("[{}]", terms.join(", "))
-    }
+/// Where errors of the encoders come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Errors {
+    /// The holes show them.
+    Unknown,
+    /// They are known.
+    Known(EncoderErrors),
 }
 
-fn error(terms: &[[f64; 2]; HARMONICS], theta: f64, ratio: f64) -> f64 {
-    let sum = (1..).zip(terms).map(|(harmonic, [s, c])| {
-        let (sin, cos) = (f64::from(harmonic) * ratio * theta).sin_cos();
-        s * sin + c * cos
-    });
-    sum.sum::<f64>() / ratio
+/// The key of a joint's errors in the robot file.
+pub(super) const KEY: fn(Joint) -> MeasuredKey =
+    |joint| MeasuredKey::Actuator(joint, "encoder_error");
+
+/// Amplitude and phase of each harmonic of a joint's shaft, as a robot file has them.
+pub(super) fn text(errors: &EncoderErrors, joint: Joint) -> String {
+    let terms: Vec<String> = (1..)
+        .zip(errors.terms[joint])
+        .map(|(harmonic, [s, c]): (u32, [f64; 2])| {
+            let (amplitude, phase) = (s.hypot(c), c.atan2(s));
+            format!("{{ harmonic = {harmonic}, amplitude = {amplitude:.6e}, phase = {phase:.6} }}")
+        })
+        .collect();
+    format!("[{}]", terms.join(", "))
 }
 
-/// Fits both, from the arm without errors on; none if the holes do not determine them.
+/// The errors of the robot file; none if they have other harmonics, or if an encoder is not at its motor.
+pub(super) fn in_file(bench: &Bench) -> Result<Option<EncoderErrors>, StepError> {
+    let mut errors = EncoderErrors::default();
+    for joint in Joint::ALL {
+        let drive = bench.drive(joint)?;
+        if drive.encoder_side != EncoderSide::Motor {
+            return Ok(None);
+        }
+        for term in drive.encoder_error.terms() {
+            let place = (term.harmonic as usize)
+                .checked_sub(1)
+                .and_then(|place| errors.terms[joint].get_mut(place));
+            let Some(place) = place else { return Ok(None) };
+            let (sin, cos) = term.phase.sin_cos();
+            *place = [term.amplitude * cos, term.amplitude * sin];
+        }
+    }
+    Ok(Some(errors))
+}
+
+/// What the encoders show where the joints are at these angles [rad].
+pub(super) fn shown(bench: &Bench, angles: [f64; 2]) -> Result<[f64; 2], StepError> {
+    let errors = in_file(bench)?.unwrap_or_default();
+    let ratios = ratios(bench)?;
+    Ok(Joint::ALL.map(|joint| angles[joint] + errors.at(joint, angles[joint], ratios[joint])))
+}
+
+/// Both gear ratios.
+pub(super) fn ratios(bench: &Bench) -> Result<[f64; 2], StepError> {
+    Ok([
+        bench.drive(Joint::Joint1)?.gear_ratio,
+        bench.drive(Joint::Joint4)?.gear_ratio,
+    ])
+}
+
+/// Touched holes from rows of counts1, counts4, x, y.
+pub(super) fn touches(bench: &Bench, rows: &[[f64; 4]]) -> Result<Vec<Touch>, StepError> {
+    let per_turn = [
+        bench.counts_per_turn(Joint::Joint1)?,
+        bench.counts_per_turn(Joint::Joint4)?,
+    ];
+    let touch = |row: &[f64; 4]| Touch {
+        encoder: Joint::ALL.map(|joint| (row[joint.index()] + 0.5) * TAU / per_turn[joint]),
+        hole: [row[2], row[3]].into(),
+    };
+    Ok(rows.iter().map(touch).collect())
+}
+
+/// Fits the arm, and the errors unless they are known, from the arm without errors on; none if the holes do not
+/// determine them.
 pub(super) fn fit(
     start: &Parameters,
     touches: &[Touch],
     ratios: [f64; 2],
     assembly: Side,
+    errors: Errors,
 ) -> Option<WithErrors> {
+    let (errors, unknowns) = match errors {
+        Errors::Unknown => (EncoderErrors::default(), UNKNOWNS),
+        Errors::Known(errors) => (errors, PLAIN),
+    };
     let mut found = WithErrors {
         parameters: *start,
-        terms: [[[0.0; 2]; HARMONICS]; 2],
+        errors,
         residual: f64::INFINITY,
     };
     for _ in 0..ROUNDS {
         let (mut equations, mut residuals) = (Vec::new(), Vec::new());
         for touch in touches {
             let p = &found.parameters;
-            let theta = Joint::ALL.map(|joint| touch.encoder[joint] + p.offsets[joint]);
-            let encoder = Joint::ALL.map(|joint| {
-                touch.encoder[joint] - error(&found.terms[joint], theta[joint], ratios[joint])
+            let theta = Joint::ALL.map(|joint| {
+                let shown = touch.encoder[joint] + p.offsets[joint];
+                found.errors.corrected(joint, shown, ratios[joint])
             });
+            let encoder = Joint::ALL.map(|joint| theta[joint] - p.offsets[joint]);
             let tip = tip(p, encoder, assembly)?;
             let mut rows = SMatrix::<f64, 2, UNKNOWNS>::zeros();
-            rows.fixed_columns_mut::<10>(0).copy_from(&tip.jacobian);
+            rows.fixed_columns_mut::<PLAIN>(0).copy_from(&tip.jacobian);
             for joint in Joint::ALL {
-                for harmonic in 0..HARMONICS {
+                for harmonic in 0..ENCODER_HARMONICS {
                     let phase = (harmonic + 1) as f64 * ratios[joint] * theta[joint];
                     let (sin, cos) = phase.sin_cos();
                     let by_offset = tip.jacobian.column(5 + joint.index());
-                    let place = 10 + 2 * (HARMONICS * joint.index() + harmonic);
+                    let place = PLAIN + 2 * (ENCODER_HARMONICS * joint.index() + harmonic);
                     rows.set_column(place, &(by_offset * (-sin / ratios[joint])));
                     rows.set_column(place + 1, &(by_offset * (-cos / ratios[joint])));
                 }
             }
-            equations.extend(rows.row_iter().map(|row| row.iter().copied().collect()));
+            let row = rows
+                .row_iter()
+                .map(|row| row.iter().copied().take(unknowns).collect());
+            equations.extend(row);
             residuals.extend((touch.hole - tip.position).iter());
         }
         let step = least_squares(&equations, &residuals, 1)?.values;
@@ -100,8 +160,9 @@ pub(super) fn fit(
         p.offsets = [p.offsets[0] + step[5], p.offsets[1] + step[6]];
         p.origin = [p.origin[0] + step[7], p.origin[1] + step[8]];
         p.turn += step[9];
-        for (index, value) in found.terms.iter_mut().flatten().flatten().enumerate() {
-            *value += step[10 + index];
+        let terms = found.errors.terms.iter_mut().flatten().flatten();
+        for (term, step) in terms.zip(step.iter().skip(PLAIN)) {
+            *term += step;
         }
     }
     found.residual.is_finite().then_some(found)

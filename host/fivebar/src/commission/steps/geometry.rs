@@ -4,14 +4,14 @@ use super::super::bench::Bench;
 use super::super::finding::StepError;
 use super::super::operator::Task;
 use super::super::record::Value;
-use super::encoder_errors::{WithErrors, fit};
+use super::encoder_errors::{self, Errors, WithErrors, fit, in_file, ratios, touches};
 use super::{Outcome, measured as measured_value};
 use fivebar_design::Noise;
-use fivebar_design::calibration::{Criterion, Touch};
+use fivebar_design::calibration::{Criterion, Parameters};
+use fivebar_design::identification::EncoderErrors;
 use fivebar_files::measurements::read_columns;
-use fivebar_files::robot::{MeasuredKey, Robot};
+use fivebar_files::robot::{Measured, Robot};
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::EncoderSide;
 use fivebar_report::picture::tip_errors;
 use fivebar_report::study::calibration::{
     CalibrationStudy, calibrate_robot, measured, propose_poses,
@@ -23,6 +23,10 @@ use std::f64::consts::TAU;
 const HOLES: usize = 40;
 /// Standard deviation of a hole's x and of its y [m].
 const SIGMA: f64 = 20e-6;
+/// Fewest holes from which errors of the encoders are found.
+const FEWEST: usize = 30;
+/// The place of the plate in the record.
+const PLATE: [&str; 3] = ["plate_x_m", "plate_y_m", "plate_phi_rad"];
 
 pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError> {
     let rows = match bench.points.clone() {
@@ -38,7 +42,8 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
                 "check the plate's table, counts and gear ratios, and touch the holes again",
             )
         })?;
-    let errors = encoder_errors(bench, &rows)?;
+    bench.keep_holes(&rows)?;
+    let errors = errors_by_holes(bench, &rows)?;
     if let Some(errors) = &errors {
         study.calibration.parameters = errors.parameters;
     }
@@ -57,11 +62,13 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
         for joint in Joint::ALL {
             // The angle at the home switch is that of the joint, not of its encoder.
             let ratio = bench.drive(joint)?.gear_ratio;
-            let at_home = errors.at(joint, bench.robot.home[joint], ratio);
-            study.calibration.parameters.offsets[joint] -= at_home;
+            let home = bench.robot.home[joint];
+            let shown = in_file(bench)?.unwrap_or_default();
+            study.calibration.parameters.offsets[joint] +=
+                shown.at(joint, home, ratio) - errors.errors.at(joint, home, ratio);
             keys.push(measured_value(
-                MeasuredKey::Actuator(joint, "encoder_error"),
-                errors.text(joint),
+                encoder_errors::KEY(joint),
+                encoder_errors::text(&errors.errors, joint),
                 "by touched holes".into(),
             ));
         }
@@ -104,10 +111,7 @@ fn found_values(study: &CalibrationStudy) -> Vec<Value> {
             Value::new(*name, *value, "by touched holes").with_sd(sd(index))
         })
         .collect();
-    for (index, name) in ["plate_x_m", "plate_y_m", "plate_phi_rad"]
-        .into_iter()
-        .enumerate()
-    {
+    for (index, name) in PLATE.into_iter().enumerate() {
         let placed = [p.origin[0], p.origin[1], p.turn][index];
         values.push(
             Value::new(name, placed, "of the plate, by touched holes").with_sd(sd(7 + index)),
@@ -132,40 +136,100 @@ fn map(robot: &Robot, study: &CalibrationStudy) -> Result<Option<String>, Worksp
 const SIGNIFICANT: f64 = 40.0;
 
 /// Errors of the encoders, where they explain significantly more than without them.
-fn encoder_errors(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>, StepError> {
+fn errors_by_holes(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>, StepError> {
     // Of all holes: errors of the encoders are no outliers.
     let plain = calibrate_robot(&bench.robot, rows, SIGMA, Criterion::LeastSquares)
         .map_err(StepError::other)?;
     let residual = plain.calibration.residual_rms;
-    let drives = [bench.drive(Joint::Joint1)?, bench.drive(Joint::Joint4)?];
-    let known = drives.iter().any(|drive| !drive.encoder_error.is_zero());
-    let at_motor = drives
-        .iter()
-        .all(|drive| drive.encoder_side == EncoderSide::Motor);
-    if known || !at_motor || rows.len() < 30 {
-        return Ok(None);
+    match in_file(bench)? {
+        None => return Ok(None),
+        Some(known) if known != EncoderErrors::default() => {
+            return refined(
+                bench,
+                rows,
+                &plain.calibration.parameters,
+                Errors::Known(known),
+            );
+        }
+        Some(_) if rows.len() < FEWEST => return Ok(None),
+        Some(_) => {}
     }
-    let per_turn = [
-        bench.counts_per_turn(Joint::Joint1)?,
-        bench.counts_per_turn(Joint::Joint4)?,
-    ];
-    let touch = |row: &[f64; 4]| Touch {
-        encoder: Joint::ALL.map(|joint| (row[joint.index()] + 0.5) * TAU / per_turn[joint]),
-        hole: [row[2], row[3]].into(),
-    };
-    let touches: Vec<Touch> = rows.iter().map(touch).collect();
-    let ratios = [drives[0].gear_ratio, drives[1].gear_ratio];
-    let assembly = bench
-        .robot
-        .home_pose()
-        .map_err(StepError::other)?
-        .assembly();
-    let found = fit(&plain.calibration.parameters, &touches, ratios, assembly);
+    let found = refined(bench, rows, &plain.calibration.parameters, Errors::Unknown)?;
     let explained = |found: &WithErrors| {
         let squares = residual * residual - found.residual * found.residual;
         squares * (2 * rows.len()) as f64 > SIGNIFICANT * SIGMA * SIGMA
     };
     Ok(found.filter(explained))
+}
+
+fn refined(
+    bench: &Bench,
+    rows: &[[f64; 4]],
+    start: &Parameters,
+    errors: Errors,
+) -> Result<Option<WithErrors>, StepError> {
+    let home = bench.robot.home_pose().map_err(StepError::other)?;
+    let touches = touches(bench, rows)?;
+    Ok(fit(
+        start,
+        &touches,
+        ratios(bench)?,
+        home.assembly(),
+        errors,
+    ))
+}
+
+/// Values that holes tell.
+#[derive(Default)]
+pub(super) struct OfHoles {
+    /// For the robot file.
+    pub(super) measured: Vec<Measured>,
+    /// For the record.
+    pub(super) values: Vec<Value>,
+}
+
+/// What the holes tell again, once the errors of the encoders are known better: values of the robot file and of the
+/// record. The holes were touched while the robot file had other angles at home: what they tell changes by as much as
+/// with the errors of before. None without holes of this run, or if they do not determine the arm.
+pub(super) fn again(
+    bench: &Bench,
+    before: EncoderErrors,
+    errors: EncoderErrors,
+) -> Result<Option<OfHoles>, StepError> {
+    let Some(rows) = bench.holes()? else {
+        return Ok(None);
+    };
+    let plain = calibrate_robot(&bench.robot, &rows, SIGMA, Criterion::Huber)
+        .map_err(StepError::other)?
+        .calibration;
+    let with = |errors| refined(bench, &rows, &plain.parameters, Errors::Known(errors));
+    let (Some(before), Some(mut after)) = (with(before)?, with(errors)?) else {
+        return Ok(None);
+    };
+    let ratios = ratios(bench)?;
+    let placed = &after.parameters;
+    let values = [placed.origin[0], placed.origin[1], placed.turn];
+    let values = PLATE.iter().zip(values).map(|(name, value)| {
+        Value::new(
+            *name,
+            value,
+            "of the plate, by touched holes with these encoders",
+        )
+    });
+    let values = values.collect();
+    for joint in Joint::ALL {
+        let at_home = |found: &WithErrors| {
+            let shown = found
+                .errors
+                .at(joint, bench.robot.home[joint], ratios[joint]);
+            found.parameters.offsets[joint] - shown
+        };
+        after.parameters.offsets[joint] = at_home(&after) - at_home(&before);
+    }
+    Ok(Some(OfHoles {
+        measured: measured(&bench.robot, &after.parameters, &plain.covariance),
+        values,
+    }))
 }
 
 /// Counts of both joints and the place of each hole.
@@ -186,19 +250,19 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
         };
         bench.ask(Task::Hole(index, true_place))?;
         let counts = bench.sample()?.counts;
-        // The angle of the first hole as the controller knows it; the others follow by counts.
+        // The first hole's angle as the encoders show it, from what the controller knows; the others follow by counts.
         let (start, angle) = match first {
             Some(first) => first,
             None => {
-                let angle = bench.client.status()?.0.angle;
-                *first.insert((counts, angle))
+                let angle = bench.client.status()?.0.angle.map(f64::from);
+                *first.insert((counts, encoder_errors::shown(bench, angle)?))
             }
         };
         let mut row = [0.0, 0.0, stated[0], stated[1]];
         for joint in Joint::ALL {
             let per_radian = bench.counts_per_turn(joint)? / TAU;
             let turned = f64::from(counts[joint].wrapping_sub(start[joint]));
-            row[joint.index()] = f64::from(angle[joint]) * per_radian - 0.5 + turned;
+            row[joint.index()] = angle[joint] * per_radian - 0.5 + turned;
         }
         rows.push(row);
     }

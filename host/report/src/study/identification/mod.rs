@@ -7,9 +7,9 @@ pub use answer::{answer, payload_answer, proposal_answer, validation_answer};
 pub use payload::{measured_payload, payload_of};
 
 use fivebar_design::identification::{
-    Bounds, Identification, IdentificationError, Log, Misprediction, Observed, Predictor,
-    ProposedExcitation, base_parameters, identify, physical_links, propose_excitation,
-    standard_parameters, validate,
+    Bounds, EncoderErrors, FoundErrors, Identification, IdentificationError, Log, Misprediction,
+    Observed, Predictor, ProposedExcitation, base_parameters, identify, identify_encoders,
+    physical_links, propose_excitation, standard_parameters, validate,
 };
 use fivebar_files::robot::{HomeError, Measured, MeasuredKey, MissingMasses, Robot};
 use fivebar_kinematics::five_bar::Joint;
@@ -48,6 +48,27 @@ pub enum StudyError {
 /// The robot has no actuators or no pose at home, or the log is refused.
 pub fn identify_robot(robot: &Robot, rows: &[[f64; 5]]) -> Result<Identification, StudyError> {
     Ok(identify(&log_of(rows), &observed(robot)?)?)
+}
+
+/// Finds the errors of encoders on the motors' shafts from rows as for [`identify_robot`], whose angles are what the
+/// encoders show. The errors are searched from `start` on.
+///
+/// # Errors
+/// The robot has no actuators or no pose at home, or the log is refused.
+pub fn encoder_errors_of(
+    robot: &Robot,
+    rows: &[[f64; 5]],
+    start: EncoderErrors,
+) -> Result<FoundErrors, StudyError> {
+    let actuators = robot.actuators.as_ref();
+    let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
+    let ratios = actuators.each_ref().map(|actuator| actuator.gear_ratio);
+    Ok(identify_encoders(
+        &log_of(rows),
+        &observed(robot)?,
+        ratios,
+        start,
+    )?)
 }
 
 /// How well a robot with this identification predicts the torques of rows as for
