@@ -38,7 +38,7 @@ impl ArmOnBus {
         (protocol, drives): (Protocol, [CanDrive; 2]),
     ) -> Result<Self, RunError> {
         let pose = start_pose(scenario)?;
-        let parameters = scenario.robot.plant_parameters()?;
+        let parameters = scenario.arm().plant_parameters()?;
         check_mismatch(scenario, &parameters)?;
         let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
         let bus = (protocol, drives);

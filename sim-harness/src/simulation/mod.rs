@@ -237,7 +237,14 @@ impl Simulate for Scenario {
         if let Some(bus) = self.robot.can_bus() {
             let arm = ArmOnBus::new(self, bus)?;
             let moves = self.run_moves(job)?;
-            return run(self, &mut can_bus::controller(self)?, arm, &moves, progress);
+            return run(
+                self,
+                &mut can_bus::controller(self)?,
+                arm,
+                &moves,
+                None,
+                progress,
+            );
         }
         let mut target = self.controller()?;
         self.run_on(&mut target, &self.run_moves(job)?, progress)

@@ -67,16 +67,19 @@ fn the_measured_angle_of_the_encoders_shaft_has_the_known_and_the_unknown_harmon
             plant_of(&exact, &Mismatch::NONE),
         );
         let duty = -0.06 * gear.signum() as f32;
+        let home = ratio * f64::from(parameters.settings.axes[0].home_angle);
+        let error = |shaft: f64| {
+            8e-3 * (shaft + 0.3).sin() - 3e-3 * (2.0 * shaft + 1.1).sin()
+                + 2e-3 * (4.0 * shaft - 0.7).sin()
+        };
         let mut greatest = 0.0_f64;
         for _ in 0..1500 {
             plant.step(&driven_by([duty, 0.0]), TICK);
             ideal.step(&driven_by([duty, 0.0]), TICK);
             assert_eq!(plant.state(), ideal.state());
             let shaft = ratio * plant.angle(Joint::Joint1);
-            let error = 8e-3 * (shaft + 0.3).sin() - 3e-3 * (2.0 * shaft + 1.1).sin()
-                + 2e-3 * (4.0 * shaft - 0.7).sin();
-            // Counts per turn of the joint, in turns of the encoder's shaft.
-            let expected = error / TAU * COUNTS * gear / ratio;
+            // Counts per turn of the joint, in turns of the encoder's shaft, from home.
+            let expected = (error(shaft) - error(home)) / TAU * COUNTS * gear / ratio;
             let [found, other] = [0, 1].map(|j| {
                 let counts = [plant.sense().counts[j], ideal.sense().counts[j]];
                 f64::from(counts[0].wrapping_sub(counts[1]))
