@@ -227,7 +227,7 @@ MISTAKES = [
     ("the board's parts keep older settings", "session/mod.rs", "        board.use_settings(settings);\n", ""),
     ("telemetry counts from the older controller's ticks", "session/mod.rs", "        self.sampler.restart_ticks();\n", ""),
     ("a half that cannot be read taken for an empty one", "storage/mod.rs", "return Err(StorageError::Flash),\n                Ok(None)", "continue,\n                Ok(None)"),
-    ("an encoder's age ignored", "controller/model.rs", "D::lag(control, stage) + axis.encoder_latency",
+    ("an encoder's age ignored", "controller/model.rs", "D::lag(settings, stage) + axis.encoder_latency",
      "D::lag(control, stage) + 0.0 * axis.encoder_latency"),
     ("a silent host looked for in every second turn", "controller/turns.rs", "self.pending_stop = self.stopping_fault();", "if joint.index() == 0 { self.pending_stop = self.stopping_fault(); }"),
     ("joint 4's encoder table unchecked", "settings/check.rs", ".zip(&self.encoder_tables) {", ".zip(&self.encoder_tables).take(1) {"),
