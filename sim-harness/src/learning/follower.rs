@@ -1,10 +1,10 @@
-//! A run as the host follows it: at which place of the way the arm is, where the tool should be without the shift, and
+//! A run as the host follows it: at which place of the path the arm is, where the tool should be without the shift, and
 //! what the sensors see of the error.
 
 use super::sensors::Sensors;
 use super::shift::Learnt;
 use super::spline::Spline;
-use super::way::Shown;
+use super::timed_path::Shown;
 use crate::simulation::{Seen, Watch};
 use fivebar_firmware::Status;
 use nalgebra::Vector2;
@@ -17,7 +17,7 @@ const AROUND: usize = 400;
 const OFF: f64 = 2e-6;
 /// A reference at rest this near to the end of a motion is there [m].
 const AT_REST: f64 = 1e-6;
-/// The way begins where the reference moves within this distance of its beginning [m].
+/// The path begins where the reference moves within this distance of its beginning [m].
 const NEAR: f64 = 1e-4;
 
 /// What is followed.
@@ -31,10 +31,10 @@ pub(super) struct Followed {
 
 impl Followed {
     pub(super) fn new(learnt: &Learnt) -> Self {
-        let way = &learnt.way;
+        let path = &learnt.path;
         let ticks = |spline: &Spline| -> Vec<Vector2<f64>> {
-            let count = spline.pieces() * way.knot_ticks;
-            (0..=count).map(|tick| way.at(spline, tick)).collect()
+            let count = spline.pieces() * path.knot_ticks;
+            (0..=count).map(|tick| path.at(spline, tick)).collect()
         };
         Self {
             streamed: learnt.streamed().iter().map(ticks).collect(),
@@ -49,7 +49,7 @@ pub(super) struct Tick {
     pub(super) shown: Shown,
     /// Where the tool should be less where the sensors see it [m].
     pub(super) error: Option<Vector2<f64>>,
-    /// Motion and tick of the way; none before it, between motions, and without a way.
+    /// Motion and tick of the path; none before it, between motions, and without a path.
     pub(super) place: Option<(usize, usize)>,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Follower {
 }
 
 impl Follower {
-    /// Without a way, it shows the one of the run.
+    /// Without a path, it shows the one of the run.
     pub(super) fn new(sensors: Sensors, followed: Option<Followed>, greatest: f64) -> Self {
         Self {
             sensors,

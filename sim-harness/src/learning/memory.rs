@@ -1,4 +1,4 @@
-//! What was learnt, as a file: the way with its shift by place, and what it belongs to.
+//! What was learnt, as a file: the path with its shift by place, and what it belongs to.
 //!
 //! It holds for one robot with its payload and settings under one control law, and for one job at one place. A digest
 //! of each tells whether they are still the same; otherwise what was learnt is forgotten.
@@ -6,7 +6,7 @@
 use super::LearningError;
 use super::shift::Learnt;
 use super::spline::{LEAST, Spline};
-use super::way::{Mark, Motion, Way};
+use super::timed_path::{Mark, Motion, TimedPath};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Move;
@@ -98,7 +98,7 @@ struct File {
 struct MotionFile {
     rest_s: f64,
     marks: Vec<Mark>,
-    /// Distance along the way, the tool's place there and its shift [m].
+    /// Distance along the path, the tool's place there and its shift [m].
     place_x_y_dx_dy_m: Vec<[f64; 5]>,
 }
 
@@ -113,9 +113,9 @@ impl Memory {
     /// # Errors
     /// It never fails with numbers that are finite.
     pub fn to_json(&self) -> serde_json::Result<String> {
-        let way = &self.learnt.way;
-        let places = way.places();
-        let rows = way.motions.iter().zip(&self.learnt.shifts).zip(places);
+        let path = &self.learnt.path;
+        let places = path.places();
+        let rows = path.motions.iter().zip(&self.learnt.shifts).zip(places);
         let motions = rows.map(|((motion, shift), places)| {
             let knots = motion.wanted.knots().iter().zip(shift.knots());
             let row = |((wanted, shift), place): ((&Vector2<f64>, &Vector2<f64>), f64)| {
@@ -130,8 +130,8 @@ impl Memory {
         serde_json::to_string(&File {
             version: VERSION,
             digest: self.digest,
-            knot_ticks: way.knot_ticks,
-            lead: way.lead.clone(),
+            knot_ticks: path.knot_ticks,
+            lead: path.lead.clone(),
             motions: motions.collect(),
         })
     }
@@ -177,7 +177,7 @@ impl File {
                 marks: motion.marks,
             });
         }
-        let way = Way::new(robot, self.lead, motions, self.knot_ticks);
-        Some(Learnt { way, shifts })
+        let path = TimedPath::new(robot, self.lead, motions, self.knot_ticks);
+        Some(Learnt { path, shifts })
     }
 }

@@ -1,16 +1,16 @@
 //! Learning of a job that is run again.
 //!
-//! Friction, cogging and what is wrong with the masses deflect the arm at the same places of the way in every run. The
-//! host sees it in the encoders' angles and lets the next run follow the way with a shift:
+//! Friction, cogging and what is wrong with the masses deflect the arm at the same places of the path in every run. The
+//! host sees it in the encoders' angles and lets the next run follow the path with a shift:
 //!
 //! cₖ = r + δₖ,  δₖ₊₁ = Q (δₖ + γ (r − yₖ)),
 //!
-//! where r is the way, yₖ the tool as the sensors see it in run k, Q a low-pass filter without a phase and γ a share.
+//! where r is the path, yₖ the tool as the sensors see it in run k, Q a low-pass filter without a phase and γ a share.
 //! The shift is what is wrong with the arm, so δ ≈ r − y without it; the learning filter is 1, because the controller
 //! itself makes up for the loop's lag: it leads the set-point by it and feeds the torque of the set-point's motion
 //! forward. [`contraction`] has the condition under which this converges, and the band of Q that follows from it.
 //!
-//! The shifted way goes to the controller as timed moves, which it checks as any other motion before it follows them.
+//! The shifted path goes to the controller as timed moves, which it checks as any other motion before it follows them.
 //! Nothing of the learning is in the controller. What the encoders do not show stays as it is: lengths, the angles of
 //! the home switches and the encoders' own errors are left to calibration.
 
@@ -21,7 +21,7 @@ mod repeat;
 mod sensors;
 mod shift;
 mod spline;
-mod way;
+mod timed_path;
 
 pub use contraction::{Filter, Response};
 pub use memory::{Digest, Forgotten, Memory};
@@ -33,7 +33,7 @@ use fivebar_files::robot::{HomeError, MissingMasses};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_kinematics::five_bar::GeometryError;
 
-/// Time between the knots of the way and of its shift [s].
+/// Time between the knots of the path and of its shift [s].
 const KNOT: f64 = 4e-3;
 
 /// Why a job is not learnt.

@@ -6,7 +6,7 @@ use super::follower::{Followed, Follower, Tick};
 use super::memory::{Digest, Memory};
 use super::sensors::Sensors;
 use super::shift::{Errors, Learnt};
-use super::way::{Shown, Way};
+use super::timed_path::{Shown, TimedPath};
 use crate::simulation::{Record, RunError, RunErrors, Simulate, Summary, TipError};
 use fivebar_files::job::Job;
 use fivebar_files::scenario::Scenario;
@@ -18,7 +18,7 @@ use nalgebra::Vector2;
 const WORSE: f64 = 1.1;
 /// A run whose error exceeds the first run's greatest one so many times is stopped.
 const STOPPED: f64 = 2.0;
-/// The greatest shift, as a share of the way at the crank's end at which the following error is a fault.
+/// The greatest shift, as a share of the distance at the crank's end at which the following error is a fault.
 const BOUND: f64 = 0.25;
 /// A run that takes less than this share of the error gains nothing.
 const GAIN: f64 = 0.05;
@@ -28,7 +28,7 @@ const GAIN: f64 = 0.05;
 pub enum Ended {
     /// A run was worse than the best one, or was stopped: its shift is undone.
     Diverged,
-    /// The controller refused the shifted way.
+    /// The controller refused the shifted path.
     Refused(String),
     /// A fault stopped a run.
     Fault(Fault),
@@ -68,8 +68,8 @@ pub(super) trait Repeats {
     /// Does the job, with the shift that was learnt. `greatest` is the error at which the run is stopped [m].
     fn run(&mut self, learnt: Option<&Learnt>, greatest: f64) -> Result<Run, LearningError>;
 
-    /// The way that a run without a shift has shown. Its ticks then have their places on it.
-    fn way(&self, run: &mut Run) -> Result<Way, LearningError>;
+    /// The path that a run without a shift has shown. Its ticks then have their places on it.
+    fn path(&self, run: &mut Run) -> Result<TimedPath, LearningError>;
 }
 
 /// Runs a job so many times, at least once, each from power-up; every run has its own noise. With `learn`, each run is
@@ -166,7 +166,7 @@ pub(super) fn runs_of(
         }
         let followed = match learnt.take() {
             Some(followed) => followed,
-            None => Learnt::nothing(arm.way(&mut run)?),
+            None => Learnt::nothing(arm.path(&mut run)?),
         };
         let errors = followed.errors(&run.ticks);
         learnt = Some(match filter {
@@ -203,7 +203,7 @@ struct SimulatedRuns<'a> {
 impl Repeats for SimulatedRuns<'_> {
     fn run(&mut self, learnt: Option<&Learnt>, greatest: f64) -> Result<Run, LearningError> {
         let moves = match learnt {
-            Some(learnt) if self.learns => learnt.way.moves(&learnt.streamed()),
+            Some(learnt) if self.learns => learnt.path.moves(&learnt.streamed()),
             _ => self.plain.clone(),
         };
         let scenario = Scenario {
@@ -228,15 +228,15 @@ impl Repeats for SimulatedRuns<'_> {
         })
     }
 
-    fn way(&self, run: &mut Run) -> Result<Way, LearningError> {
+    fn path(&self, run: &mut Run) -> Result<TimedPath, LearningError> {
         let shown: Vec<Shown> = run.ticks.iter().map(|tick| tick.shown).collect();
-        let (way, ranges) = Way::shown(&shown, &self.plain, &self.scenario.robot)?;
+        let (path, ranges) = TimedPath::shown(&shown, &self.plain, &self.scenario.robot)?;
         for (motion, range) in ranges.into_iter().enumerate() {
             for (at, tick) in run.ticks[range].iter_mut().enumerate() {
                 tick.place = Some((motion, at));
             }
         }
-        Ok(way)
+        Ok(path)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::learning::LearningError;
 use crate::learning::contraction::Filter;
 use crate::learning::follower::Tick;
 use crate::learning::shift::Learnt;
-use crate::learning::way::{Shown, Way};
+use crate::learning::timed_path::{Shown, TimedPath};
 use crate::simulation::{Record, RunErrors, Summary};
 use fivebar_files::robot::BuiltIn;
 use fivebar_firmware::{Move, MoveKind};
@@ -52,7 +52,7 @@ impl Repeats for KnownArm {
     fn run(&mut self, learnt: Option<&Learnt>, greatest: f64) -> Result<Run, LearningError> {
         self.runs += 1;
         let shift = |tick: u32| match learnt {
-            Some(learnt) => learnt.way.at(&learnt.shifts[0], tick as usize),
+            Some(learnt) => learnt.path.at(&learnt.shifts[0], tick as usize),
             None => Vector2::zeros(),
         };
         let tick = |tick: u32| {
@@ -82,16 +82,16 @@ impl Repeats for KnownArm {
         })
     }
 
-    fn way(&self, run: &mut Run) -> Result<Way, LearningError> {
+    fn path(&self, run: &mut Run) -> Result<TimedPath, LearningError> {
         let robot = BuiltIn::find(BuiltIn::DEFAULT).unwrap().robot().unwrap();
         let shown: Vec<Shown> = run.ticks.iter().map(|tick| tick.shown).collect();
-        let (way, ranges) = Way::shown(&shown, &[LINE], &robot)?;
+        let (path, ranges) = TimedPath::shown(&shown, &[LINE], &robot)?;
         assert_eq!(ranges.len(), 1);
         assert_eq!(ranges[0], 0..TICKS as usize + 1);
         for (at, tick) in run.ticks.iter_mut().enumerate() {
             tick.place = Some((0, at));
         }
-        Ok(way)
+        Ok(path)
     }
 }
 
@@ -118,7 +118,7 @@ fn the_shift_becomes_the_deflection_with_its_sign_changed() {
         assert!(rms[8] < 0.7e-6, "{rms:?}");
         let learnt = found.followed.unwrap();
         for tick in (400..7600).step_by(97) {
-            let shift = learnt.way.at(&learnt.shifts[0], tick as usize);
+            let shift = learnt.path.at(&learnt.shifts[0], tick as usize);
             let wanted = -deflection(f64::from(tick) * 1e-4) / response;
             assert!((shift - wanted).norm() < 1e-6, "{shift} for {wanted}");
         }
@@ -144,7 +144,11 @@ fn no_shift_is_greater_than_its_bound() {
 #[test]
 fn moves_of_the_joints_and_two_levels_in_a_line_are_refused() {
     let robot = BuiltIn::find(BuiltIn::DEFAULT).unwrap().robot().unwrap();
-    let refused = |moves: &[Move]| Way::shown(&[], moves, &robot).unwrap_err().to_string();
+    let refused = |moves: &[Move]| {
+        TimedPath::shown(&[], moves, &robot)
+            .unwrap_err()
+            .to_string()
+    };
     let joints = Move {
         tag: 8,
         kind: MoveKind::Joint {

@@ -1,9 +1,9 @@
-//! The shift of a way: learnt from a run's errors, smoothed, bounded, and the same at both ends of a rest.
+//! The shift of a path: learnt from a run's errors, smoothed, bounded, and the same at both ends of a rest.
 
 use super::contraction::{Filter, SHARE};
 use super::follower::Tick;
 use super::spline::Spline;
-use super::way::Way;
+use super::timed_path::TimedPath;
 use nalgebra::Vector2;
 
 /// Knots beside a rest at which the shift is that of the rest.
@@ -13,31 +13,31 @@ const OVER: usize = 4;
 /// Deviations of the Gaussian at which it is cut off.
 const CUT: f64 = 4.0;
 
-/// A way with its shift.
+/// A path with its shift.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learnt {
-    pub(super) way: Way,
+    pub(super) path: TimedPath,
     /// Of each motion.
     pub(super) shifts: Vec<Spline>,
 }
 
-/// Errors of a run by the ticks of the way, motion by motion [m].
+/// Errors of a run by the ticks of the path, motion by motion [m].
 pub(super) type Errors = Vec<Vec<Vector2<f64>>>;
 
 impl Learnt {
     /// Nothing learnt yet.
-    pub(super) fn nothing(way: Way) -> Self {
+    pub(super) fn nothing(path: TimedPath) -> Self {
         let still = |spline: &Spline| Spline::through(vec![Vector2::zeros(); spline.knots().len()]);
-        let shifts = way.motions.iter().map(|motion| still(&motion.wanted));
+        let shifts = path.motions.iter().map(|motion| still(&motion.wanted));
         Self {
             shifts: shifts.collect(),
-            way,
+            path,
         }
     }
 
     /// What the controller is to follow.
     pub(super) fn streamed(&self) -> Vec<Spline> {
-        let both = self.way.motions.iter().zip(&self.shifts);
+        let both = self.path.motions.iter().zip(&self.shifts);
         let sum = |wanted: &Spline, shift: &Spline| {
             let knots = wanted.knots().iter().zip(shift.knots());
             Spline::through(knots.map(|(wanted, shift)| wanted + shift).collect())
@@ -52,11 +52,11 @@ impl Learnt {
         knots.map(Vector2::norm).fold(0.0, f64::max)
     }
 
-    /// The errors of a run by the ticks of the way. A place that the run passed twice has their mean, and one between
+    /// The errors of a run by the ticks of the path. A place that the run passed twice has their mean, and one between
     /// two ticks the error of the last place.
     pub(super) fn errors(&self, ticks: &[Tick]) -> Errors {
-        let counts = self.way.motions.iter().map(|motion| {
-            vec![(Vector2::zeros(), 0.0); motion.wanted.pieces() * self.way.knot_ticks + 1]
+        let counts = self.path.motions.iter().map(|motion| {
+            vec![(Vector2::zeros(), 0.0); motion.wanted.pieces() * self.path.knot_ticks + 1]
         });
         let mut sums: Vec<Vec<(Vector2<f64>, f64)>> = counts.collect();
         for tick in ticks {
@@ -85,22 +85,22 @@ impl Learnt {
     /// The shift for the next run, none of it greater than `bound` [m].
     #[must_use]
     pub(super) fn next(&self, errors: &Errors, filter: &Filter, bound: f64) -> Self {
-        let way = &self.way;
-        let period = way.period();
+        let path = &self.path;
+        let period = path.period();
         let window = Window::new(Filter::deviation(filter.half) / period);
         let mut knots: Vec<Vec<Vector2<f64>>> = Vec::new();
         for (shift, errors) in self.shifts.iter().zip(errors) {
             let sums: Vec<Vector2<f64>> = errors
                 .iter()
                 .enumerate()
-                .map(|(tick, error)| way.at(shift, tick) + error * SHARE)
+                .map(|(tick, error)| path.at(shift, tick) + error * SHARE)
                 .collect();
-            let of_knot = |k: usize| bounded(window.mean(&sums, k * way.knot_ticks), bound);
+            let of_knot = |k: usize| bounded(window.mean(&sums, k * path.knot_ticks), bound);
             knots.push((0..shift.knots().len()).map(of_knot).collect());
         }
         rest(&mut knots);
         Self {
-            way: way.clone(),
+            path: path.clone(),
             shifts: knots.into_iter().map(Spline::through).collect(),
         }
     }

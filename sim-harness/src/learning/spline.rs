@@ -127,7 +127,7 @@ impl Span {
     fn between(begin: usize, [[r0, v0, a0], [r1, v1, a1]]: [[Vector2<f64>; 3]; 2]) -> Self {
         let (v0, v1) = (v0 * 2.0, v1 * 2.0);
         let (a0, a1) = (a0 * 4.0, a1 * 4.0);
-        let way = r1 - r0;
+        let apart = r1 - r0;
         Self {
             begin,
             knots: 2,
@@ -135,9 +135,9 @@ impl Span {
                 r0,
                 v0,
                 a0 * 0.5,
-                way * 10.0 - v0 * 6.0 - v1 * 4.0 - a0 * 1.5 + a1 * 0.5,
-                way * -15.0 + v0 * 8.0 + v1 * 7.0 + a0 * 1.5 - a1,
-                way * 6.0 - (v0 + v1) * 3.0 - a0 * 0.5 + a1 * 0.5,
+                apart * 10.0 - v0 * 6.0 - v1 * 4.0 - a0 * 1.5 + a1 * 0.5,
+                apart * -15.0 + v0 * 8.0 + v1 * 7.0 + a0 * 1.5 - a1,
+                apart * 6.0 - (v0 + v1) * 3.0 - a0 * 0.5 + a1 * 0.5,
             ],
         }
     }
@@ -179,8 +179,8 @@ mod tests {
     }
 
     fn wave(share: f64) -> Vector2<f64> {
-        let way = share.powi(3) * (10.0 + share * (6.0 * share - 15.0));
-        Vector2::new(way, 2.0 * way)
+        let distance = share.powi(3) * (10.0 + share * (6.0 * share - 15.0));
+        Vector2::new(distance, 2.0 * distance)
     }
 
     #[test]

@@ -7,7 +7,7 @@ use fivebar_plant::Mismatch;
 use fivebar_sim::learning::{Forgotten, LearningError, Memory, Repetition, Response, repeat};
 use fivebar_sim::simulation::Simulate;
 
-/// A line, a turn back, a rest, a circle and a way home.
+/// A line, a turn back, a rest, a circle and a line home.
 const JOB: &str = "G21 G90\nG1 X20 Y0 F9000\nX20 Y15\nX0 Y0\nG4 P0.1\nG2 X0 Y0 I8 J0\nG1 X5 Y-10\n";
 
 fn robot(name: &str) -> Robot {
@@ -86,7 +86,7 @@ fn what_friction_cogging_and_masses_do_is_learnt_to_the_exact_models_error() {
 }
 
 #[test]
-fn the_way_is_followed_by_timed_moves_as_by_the_jobs_own() {
+fn the_path_is_followed_by_timed_moves_as_by_the_jobs_own() {
     let exact = scenario(robot("benchtop"), Mismatch::NONE);
     let found = run(&exact, 1, true, None);
     // Learnt from one run and not yet shifted.

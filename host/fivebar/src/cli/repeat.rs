@@ -28,7 +28,7 @@ pub(super) struct RepeatArgs {
     /// repeats.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=100))]
     repeat: Option<u16>,
-    /// Let each run learn from those before it: the way is shifted against the error that the encoders saw. What was
+    /// Let each run learn from those before it: the path is shifted against the error that the encoders saw. What was
     /// learnt is kept in DIR/learnt.json and used by the next command with the same --out, until the robot, its
     /// payload, its settings or the job change.
     #[arg(long, requires = "repeat")]
@@ -125,7 +125,7 @@ fn learning(repetition: &Repetition, forgotten: Option<String>) -> Option<Learni
     let filter = repetition.filter?;
     let undone = repetition.ended.as_ref().map(|ended| match ended {
         Ended::Diverged => "it was worse than the best run".into(),
-        Ended::Refused(reason) => format!("the controller refused the shifted way: {reason}"),
+        Ended::Refused(reason) => format!("the controller refused the shifted path: {reason}"),
         Ended::Fault(fault) => format!("it ended in a fault: {}", fault_name(*fault)),
     });
     Some(LearningSummary {

@@ -1,8 +1,8 @@
-//! The way of a job: where the tool should be at each time, in motions from rest to rest, and the same with a shift
+//! The path of a job: where the tool should be at each time, in motions from rest to rest, and the same with a shift
 //! as moves whose time law the host gives.
 //!
-//! The way is that of the controller's own plan, as the first run shows it. The moves keep its times, so that a place
-//! on the way is the same place in every run.
+//! The path is that of the controller's own plan, as the first run shows it. The moves keep its times, so that a place
+//! on the path is the same place in every run.
 
 use super::spline::{LEAST, Spline};
 use super::{KNOT, LearningError};
@@ -52,9 +52,9 @@ pub(super) struct Motion {
     pub(super) marks: Vec<Mark>,
 }
 
-/// The way of a job.
+/// The path of a job.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Way {
+pub(super) struct TimedPath {
     /// Moves of the joints before the first motion.
     pub(super) lead: Vec<Move>,
     pub(super) motions: Vec<Motion>,
@@ -62,13 +62,13 @@ pub(super) struct Way {
     pub(super) knot_ticks: usize,
     /// Period of the tick [s].
     period: f64,
-    /// Greatest speed on the way to the first motion [m/s].
+    /// Greatest speed on the path to the first motion [m/s].
     approach: f32,
     tool_output: ToolOutputSettings,
 }
 
-impl Way {
-    /// The way that a run of these moves has shown, tick by tick from its beginning, with the ticks of each
+impl TimedPath {
+    /// The path that a run of these moves has shown, tick by tick from its beginning, with the ticks of each
     /// motion among those: the first is the last one at rest.
     ///
     /// # Errors
@@ -151,7 +151,7 @@ impl Way {
         spline.at(tick as f64 / self.knot_ticks as f64)
     }
 
-    /// The knots' distances along the way, from its beginning [m].
+    /// The knots' distances along the path, from its beginning [m].
     pub(super) fn places(&self) -> Vec<Vec<f64>> {
         let mut place = 0.0;
         let mut last: Option<Vector2<f64>> = None;
