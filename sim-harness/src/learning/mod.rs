@@ -8,7 +8,7 @@
 //! where r is the path, yₖ the tool as the sensors see it in run k, Q a low-pass filter without a phase and γ a share.
 //! The shift is what is wrong with the arm, so δ ≈ r − y without it; the learning filter is 1, because the controller
 //! itself makes up for the loop's lag: it leads the set-point by it and feeds the torque of the set-point's motion
-//! forward. [`contraction`] has the condition under which this converges, and the band of Q that follows from it.
+//! forward. `contraction.rs` has the condition under which this converges, and the band of Q that follows from it.
 //!
 //! The shifted path goes to the controller as timed moves, which it checks as any other motion before it follows them.
 //! Nothing of the learning is in the controller. What the encoders do not show stays as it is: lengths, the angles of
