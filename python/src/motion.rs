@@ -43,6 +43,7 @@ pub(crate) fn motion<'py>(
 
 /// C, ṙC, r̈C and the elbows' signs to the angles, velocities and accelerations of
 /// links 1 to 4, and the assembly.
+#[allow(clippy::too_many_arguments)]
 #[pyfunction]
 pub(crate) fn inverse_motion<'py>(
     py: Python<'py>,

@@ -56,6 +56,7 @@ impl Scenario {
     /// Runs it; the arguments given replace the scenario's values. Returns the figures as JSON,
     /// the trace's columns by name, the ticks between two samples, the faults with their times
     /// from power-up, the time at which the job began, and the parts of the job skipped.
+    #[allow(clippy::too_many_arguments)]
     #[pyo3(signature = (*, origin, scale, seed, computed_torque, mismatch))]
     fn run<'py>(
         &self,
