@@ -84,7 +84,7 @@ pub(in super::super) fn dynamics(bench: &mut Bench) -> Result<Outcome, StepError
         };
         keys.extend(Joint::ALL.map(|joint| {
             let text = encoder_errors::text(&encoders.errors, joint);
-            measured(encoder_errors::KEY(joint), text, "by a fast motion".into())
+            measured(encoder_errors::key(joint), text, "by a fast motion".into())
         }));
         text += &format!(
             "; errors of the encoders explain what left {:.1} mN·m: now {:.1} mN·m",

@@ -41,8 +41,9 @@ pub(super) enum Errors {
 }
 
 /// The key of a joint's errors in the robot file.
-pub(super) const KEY: fn(Joint) -> MeasuredKey =
-    |joint| MeasuredKey::Actuator(joint, "encoder_error");
+pub(super) fn key(joint: Joint) -> MeasuredKey {
+    MeasuredKey::Actuator(joint, "encoder_error")
+}
 
 /// Amplitude and phase of each harmonic of a joint's shaft, as a robot file has them.
 pub(super) fn text(errors: &EncoderErrors, joint: Joint) -> String {

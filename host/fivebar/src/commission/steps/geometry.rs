@@ -67,7 +67,7 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
             study.calibration.parameters.offsets[joint] +=
                 shown.at(joint, home, ratio) - errors.errors.at(joint, home, ratio);
             keys.push(measured_value(
-                encoder_errors::KEY(joint),
+                encoder_errors::key(joint),
                 encoder_errors::text(&errors.errors, joint),
                 "by touched holes".into(),
             ));
