@@ -42,7 +42,7 @@ package() {
     mkdir -p "$built"
     local folder
     folder=$(mktemp -d "$built/package-XXXXXX")
-    CARGO_TARGET_DIR=$folder cargo package --quiet --allow-dirty --package fivebar-kinematics \
+    CARGO_TARGET_DIR=$folder CARGO_PROFILE_DEV_DEBUG=0 cargo package --quiet --allow-dirty --package fivebar-kinematics \
         --package fivebar-design --package fivebar-firmware --package fivebar-plant \
         --package fivebar-files --package fivebar-sim --package fivebar-report --package fivebar
     rm -rf "$folder"
@@ -56,22 +56,23 @@ peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
 python() { scripts/python.sh; }
 senders() { scripts/senders.sh; }
+emulated_senders() { scripts/senders.sh --emulated; }
 setup() { scripts/toolchain.sh; }
 firmware() {
     scripts/firmware.sh
     scripts/bounds.sh
 }
 chip() { scripts/chip.sh; }
+bring_up() { scripts/bring_up.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \
         --test images --test instructions --test emulated_boards --test emulated_faults --test emulated_homing \
         --test emulated_port --test production_image --test stack --test live_page
     cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
-    scripts/senders.sh --emulated
 }
-# Builds the fuzz targets and runs each over its committed inputs.
+# Builds the fuzz targets and runs each over its committed inputs, which needs no optimised code.
 fuzz() {
-    verify/fuzz/build.sh files
+    CARGO_PROFILE_RELEASE_OPT_LEVEL=0 verify/fuzz/build.sh files
     for target in verify/fuzz/fuzz_targets/*.rs; do
         verify/fuzz/run.sh "$(basename "$target" .rs)" -runs=0
     done
@@ -79,23 +80,57 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links arrows actions mistakes lint docs licences advisories tests demo package peers python senders browser setup firmware chip emulated fuzz commands)
-steps=("$@")
-[ $# -gt 0 ] || steps=("${all[@]}")
+all=(format file_lengths words links arrows actions mistakes licences advisories setup firmware lint docs tests demo commands peers python senders emulated_senders browser bring_up chip emulated fuzz package)
+# A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
+# build in folders of their own, or the tests alone: the program in `target` is that of the other steps.
+beside=(chip emulated fuzz package)
 
 not_checked=()
-for step in "${steps[@]}"; do
+run() {
+    local step started
+    for step in "$@"; do
+        echo "==> $step"
+        started=$SECONDS
+        "$step"
+        if [[ " ${not_checked[*]} " == *" $step "* ]]; then
+            echo "==> $step: NOT CHECKED"
+        else
+            echo "==> $step: passed in $((SECONDS - started)) s"
+        fi
+    done
+}
+
+# Every step but those beside the others, which begin when the images are built.
+run_all() {
+    local log=$built/ci-beside.log step lane
+    for step in "${all[@]}"; do
+        [[ " ${beside[*]} " != *" $step "* ]] || continue
+        run "$step"
+        if [ "$step" = firmware ]; then
+            set -m # A process group of its own, which ends with this script.
+            # Nice, because tests of the other steps measure how soon an arm stops.
+            (renice -n 10 -p $BASHPID >/dev/null; run "${beside[@]}") >"$log" 2>&1 &
+            lane=$!
+            set +m
+            trap "kill -- -$lane 2>/dev/null || true" EXIT
+        fi
+    done
+    echo "==> beside: ${beside[*]}"
+    wait "$lane" || { cat "$log"; exit 1; }
+    cat "$log"
+}
+
+for step in "$@"; do
     if ! declare -F "$step" >/dev/null; then
         echo "ci.sh: there is no step '$step'; the steps are: ${all[*]}" >&2
         exit 2
     fi
-    echo "==> $step"
-    started=$SECONDS
-    "$step"
-    if [[ " ${not_checked[*]} " == *" $step "* ]]; then
-        echo "==> $step: NOT CHECKED"
-    else
-        echo "==> $step: passed in $((SECONDS - started)) s"
-    fi
 done
+if [ $# -gt 0 ]; then
+    steps=("$@")
+    run "$@"
+else
+    steps=("${all[@]}")
+    run_all
+fi
 echo "ci.sh: $((${#steps[@]} - ${#not_checked[@]})) steps passed in $SECONDS s${not_checked:+, NOT CHECKED: ${not_checked[*]}}"

@@ -26,8 +26,3 @@ mkdir -p "$CHIP_FIGURES"
 cargo test "${manifest[@]}"
 image=$(verify/chip/image.sh | tail -n 1)
 cargo run --quiet "${manifest[@]}" --bin figures "$image" "$CHIP_FIGURES" verify/chip/figures.txt
-
-# The test of a bare board; then docs/use/bring-up.md, step by step, with a hand at the simulated arm.
-cargo build --quiet --package fivebar
-verify/chip/board_test.py "$chip_built/debug/board" "$image" "$built/debug/fivebar"
-verify/chip/bring_up.py "$chip_built/debug/board" "$image" "$built/debug/fivebar" --until dynamics

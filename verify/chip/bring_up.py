@@ -17,7 +17,7 @@ import time
 
 JOB = "G21 G90 F3000\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n"
 # Everything must end within this time [s].
-LONGEST = 240
+LONGEST = 480
 ENTER = ", then press Enter."
 
 
