@@ -2,7 +2,6 @@
 
 use super::arm::Servo;
 use super::law::ArmLaw;
-use super::linear::solve;
 use nalgebra::{Matrix2, SymmetricEigen};
 use num_complex::Complex;
 use std::f64::consts::{PI, TAU};
@@ -17,21 +16,14 @@ impl Servo {
     /// The static one is that of the belts and of the position loop in series, J (k⁻¹ + (M Kp)⁻¹) Jᵀ: without the
     /// integral, or the estimated load, which takes away what is slow.
     pub fn disturbance_peak(&self, law: &ArmLaw, jacobian: &Matrix2<f64>) -> f64 {
-        let closed = self.closed_loop(law, 1.0);
-        let mut load = nalgebra::DMatrix::zeros(closed.nrows(), 2);
-        load.view_mut((0, 0), self.w.shape()).copy_from(&self.w);
+        let closed = self.closed(law);
         let to_tip = jacobian.map(|x| Complex::new(x, 0.0));
         let greatest = self
             .frequencies(POINTS)
             .into_iter()
             .filter(|&omega| omega < 0.5 * PI / self.period)
             .map(|omega| {
-                let states = solve(
-                    &closed,
-                    &load,
-                    Complex::from_polar(1.0, omega * self.period),
-                );
-                let joints = Matrix2::from_fn(|row, column| states[(row, column)]);
+                let joints = closed.compliance(Complex::from_polar(1.0, omega * self.period));
                 norm(&(to_tip * joints * to_tip.transpose()))
             })
             .fold(0.0, f64::max);

@@ -22,6 +22,7 @@ mod belt;
 mod belt_law;
 mod compliance;
 mod exponential;
+mod in_time;
 mod law;
 mod linear;
 mod margins;
@@ -32,6 +33,7 @@ mod tuning;
 
 pub use arm::{Servo, ServoDrive};
 pub use belt::{BeltJoint, BeltTuning, MOST_LATE, tune_belt};
+pub use in_time::{ClosedLoop, LoopState};
 pub use law::{ArmLaw, Gains};
 pub use margins::{LoopPoint, Margins};
 pub use states::MOST_KEPT;

@@ -26,12 +26,11 @@ pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
     };
     let (number, name) = (fault.number(), fault_name(*fault));
     let sentence = format!("the arm stopped {when} with fault {number}, {name}");
-    if *fault != Fault::FollowingError {
-        return Some(sentence);
-    }
-    let cause = match record.begun {
-        Some(_) => falls(scenario),
-        None => homing_torques(scenario),
+    let cause = match (fault, record.begun) {
+        (Fault::FollowingError, Some(_)) => falls(scenario),
+        (Fault::FollowingError, None) => homing_torques(scenario),
+        (Fault::Oscillation, _) => backlash(scenario),
+        _ => None,
     };
     Some(sentence + &cause.unwrap_or_default())
 }
@@ -70,8 +69,9 @@ pub fn next_step(fault: Fault) -> &'static str {
         Fault::WatchdogReset => "Report this as an error of the firmware, with the job.",
         Fault::SettingsCorrupt => "Store the settings again.",
         Fault::Oscillation => {
-            "State the drives' `stiffness` and the arm's masses as they are, or give [control] \
-             lower bandwidths (fivebar margins)."
+            "State the drives' `stiffness` and the arm's masses as they are, and look for backlash in gears and \
+             couplings: within it a motor turns alone, too light for its loop. Remove it, put the encoders at the \
+             joints (`encoder_side`), or give [control] lower bandwidths (fivebar margins)."
         }
         Fault::IndexNotFound => "Check the encoders' index outputs and their wires.",
         Fault::IndexAmbiguous => {
@@ -112,6 +112,18 @@ pub fn next_step(fault: Fault) -> &'static str {
             "Check the bus: its wires, its two terminators and the bit rate, 1 Mbit/s on all."
         }
     }
+}
+
+/// If the simulated arm's drives have backlash: a sentence about it.
+fn backlash(scenario: &Scenario) -> Option<String> {
+    let gaps = scenario.mismatch.backlash;
+    let [gap1, gap4] = gaps.map(|gap| quantity(gap, "rad"));
+    gaps.iter().any(|&gap| gap > 0.0).then(|| {
+        format!(
+            ". Its drives have a backlash of {gap1} at joint 1 and {gap4} at joint 4: within it a motor turns alone, \
+             and its loop takes it for the whole arm"
+        )
+    })
 }
 
 /// If the arm falls between homing and the job, while it is unpowered: a sentence about it.

@@ -1,0 +1,100 @@
+//! Random arms on belts draw the demonstration: none is unstable, none errs by more than 1.5 times its prediction.
+
+use crate::arms::RandomArm;
+use crate::prediction::predicted;
+use fivebar_files::scenario::Scenario;
+use fivebar_plant::Mismatch;
+use fivebar_sim::simulation::{Record, Simulate};
+
+/// The greatest error per the predicted one.
+const MOST: f64 = 1.5;
+
+/// What an arm did.
+struct Outcome {
+    /// Tip error without mismatch, with it and as predicted [m], root mean square.
+    exact: f64,
+    seen: f64,
+    predicted: f64,
+    /// The scale at which it drew.
+    scale: f64,
+    saturated: u64,
+}
+
+/// The error is what went wrong with the arm.
+fn drawn(arm: &RandomArm, seed: u64) -> Result<Outcome, String> {
+    let mut scenario = Scenario::demonstration(arm.robot.clone());
+    scenario.seed = seed;
+    scenario.mismatch = arm.mismatch;
+    scenario.fit().expect("it draws the demonstration");
+    let run = |mismatch: Mismatch| -> Result<Record, String> {
+        let mut scenario = scenario.clone();
+        scenario.mismatch = mismatch;
+        let job = scenario.job().expect("the demonstration");
+        let (_, record) = scenario.simulate(&job, &mut |_| ()).expect("it runs");
+        match record.faults[..] {
+            [] => Ok(record),
+            [(_, fault), ..] => Err(format!("{fault:?} with {mismatch:?}")),
+        }
+    };
+    let (exact, record) = (run(Mismatch::NONE)?, run(arm.mismatch)?);
+    let end = record.job_time.expect("it draws");
+    let samples = record.trace.samples();
+    let samples = &samples[..samples.partition_point(|sample| sample.time <= end)];
+    let by_loads = predicted(arm, samples).ok_or("its linear loop is unstable")?;
+    Ok(Outcome {
+        exact: exact.tip_error.rms_m,
+        seen: record.tip_error.rms_m,
+        predicted: by_loads.hypot(exact.tip_error.rms_m),
+        scale: scenario.scale,
+        saturated: record.saturated_ticks,
+    })
+}
+
+/// Draws with the arms of these seeds.
+fn all_drawn(seeds: impl Iterator<Item = u64>) {
+    let mut wrong = Vec::new();
+    for seed in seeds {
+        let arm = RandomArm::new(seed);
+        let own = arm.robot.gains().belts.is_some();
+        let outcome = match drawn(&arm, seed) {
+            Ok(outcome) => outcome,
+            Err(what) => {
+                println!("| {seed} | {:?} | {own} | {what}", arm.stiffness);
+                wrong.push((seed, what));
+                continue;
+            }
+        };
+        let share = outcome.seen / outcome.predicted;
+        println!(
+            "| {seed} | {:.0} | {:.0} | {own} | {} | {:.2} | {:.2} | {:.2} | {share:.2} | {}",
+            arm.stiffness[0],
+            arm.stiffness[1],
+            outcome.scale,
+            1e6 * outcome.exact,
+            1e6 * outcome.seen,
+            1e6 * outcome.predicted,
+            outcome.saturated,
+        );
+        if share > MOST {
+            wrong.push((seed, format!("{share:.2} times its prediction")));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |text| text.parse().expect("a number"))
+}
+
+#[test]
+fn random_arms_on_belts_are_stable_and_err_as_predicted() {
+    all_drawn(1..4);
+}
+
+/// `BELTS_SEED` and `BELTS_COUNT` say which arms.
+#[test]
+#[ignore = "some seconds for each arm"]
+fn many_random_arms_on_belts_are_stable_and_err_as_predicted() {
+    let first = number("BELTS_SEED", 1);
+    all_drawn(first..first + number("BELTS_COUNT", 100));
+}
