@@ -8,6 +8,7 @@
 #                                                 needs the images of scripts/firmware.sh
 #   scripts/soak.sh links                         a job over bad links: the table
 #   scripts/soak.sh arms FIRST_SEED COUNT         commissioning of random simulated arms
+#   scripts/soak.sh belts FIRST_SEED COUNT        random arms on belts against their predictions
 #   scripts/soak.sh faults FIRST_SEED COUNT       single faults of the arm in every state; writes
 #                                                 docs/verify/fault-campaign.md
 #   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
@@ -33,6 +34,9 @@ case ${1:-} in
         ARMS_SEED=$2 ARMS_COUNT=$3 cargo test --quiet --package fivebar --test commands -- \
             --nocapture --ignored --exact \
             random_arms::many_random_arms_end_named_or_within_twice_their_own_prediction
+        ;;
+    belts)
+        BELTS_SEED=$2 BELTS_COUNT=$3 soak --test belts -- campaign::many
         ;;
     faults)
         FAULTS_SEED=$2 FAULTS_COUNT=$3 soak --test fault_campaign -- many_random_faults

@@ -48,12 +48,13 @@ fn a_tap_decays_to_a_tenth_within_three_periods_of_the_loop() {
     for stiffness in [300.0, 700.0, 1250.0, 2500.0, 5000.0] {
         let robot = benchtop(stiffness);
         let period = TAU / robot.gains().feedback_bandwidth();
+        let documented = if stiffness < 500.0 { 0.13 } else { 0.05 };
         for turn in [0.0, 0.25, 0.5, 0.75] {
             let direction = Vector2::new((PI * turn).cos(), (PI * turn).sin());
             let time = decay(&robot, direction);
             println!("{stiffness} N·m/rad: {time:.4} s, period {period:.4} s");
             assert!(
-                time < 3.0 * period,
+                time < documented && documented < 3.0 * period,
                 "{stiffness} {turn}: {time} s, {period} s"
             );
         }
