@@ -9,6 +9,7 @@
 //! each joint join them ([`identify`]).
 
 mod arm_masses;
+mod belt;
 mod check;
 mod encoders;
 mod error;
@@ -25,6 +26,7 @@ mod regressor;
 mod validation;
 
 pub use arm_masses::{base_parameters, standard_parameters};
+pub use belt::{BeltArm, BeltLog, FoundBelt, identify_belt};
 pub use encoders::{ENCODER_HARMONICS, EncoderErrors, FoundErrors, identify_encoders};
 pub use error::IdentificationError;
 pub use estimate::{Identification, identify};

@@ -11,7 +11,7 @@ const TERMS: u32 = 15;
 ///
 /// Source: C. Moler, C. Van Loan, Nineteen dubious ways to compute the exponential of a matrix,
 /// SIAM Review 45 (2003), method 3.
-pub(super) fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let n = matrix.nrows();
     // The greatest sum of a column's absolute values. Doublings of a value that is not finite
     // would never end.

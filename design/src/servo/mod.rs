@@ -31,6 +31,8 @@ mod simplex;
 mod states;
 mod tuning;
 
+pub(crate) use exponential::exponential;
+
 pub use arm::{Servo, ServoDrive};
 pub use belt::{BeltJoint, BeltTuning, MOST_LATE, tune_belt};
 pub use in_time::{ClosedLoop, LoopState};

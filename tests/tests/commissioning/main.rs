@@ -1,6 +1,7 @@
 //! Calibration and identification against reference data and against simulated arms.
 
 mod arms;
+mod belts;
 mod calibration;
 mod excitations;
 mod identification;

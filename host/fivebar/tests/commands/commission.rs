@@ -188,14 +188,14 @@ fn a_sound_arm_is_measured_and_a_run_that_ended_goes_on() {
     assert_eq!(begun["steps"].as_array().unwrap().len(), 6);
     let output = commission(folder.path(), &["--until", "validation"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).contains("6/12 electrics: done on"));
+    assert!(text(&output.stdout).contains("6/13 electrics: done on"));
     assert_within_limits(folder.path(), "the sound arm");
     let done = record(folder.path());
     assert_eq!(
         done["steps"].as_array().unwrap()[..6],
         begun["steps"].as_array().unwrap()[..]
     );
-    assert_eq!(done["steps"].as_array().unwrap().len(), 11);
+    assert_eq!(done["steps"].as_array().unwrap().len(), 12);
     for (name, wanted, share) in [
         ("resistance1", 2.3, 0.01),
         ("resistance4", 2.3, 0.01),
@@ -269,12 +269,38 @@ fn bad_input_overwrites_nothing() {
         text(&output.stderr)
     );
     let kept = record(folder.path());
-    assert_eq!(kept["steps"].as_array().unwrap().len(), 8);
+    assert_eq!(kept["steps"].as_array().unwrap().len(), 9);
     // A record that is none.
     fs::write(&path, "{").unwrap();
     let output = commission(folder.path(), &[]);
     assert!(text(&output.stderr).contains("no record of a commissioning"));
     assert_eq!(fs::read(&path).unwrap(), b"{");
+}
+
+#[test]
+fn a_loose_belt_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines =
+        "robot = \"benchtop_belt\"\njob = \"dot.gcode\"\n[mismatch]\nstiffness = [2400.0, 900.0]\n";
+    fs::write(folder.path().join("dot.gcode"), "G1 X1 F600\n").unwrap();
+    let scenario = folder.path().join("loose.toml");
+    fs::write(&scenario, lines).unwrap();
+    let scenario = scenario.display().to_string();
+    let args = ["--robot", "benchtop_belt", "--scenario", &scenario];
+    let output = commission(folder.path(), &args);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    for words in [
+        "the belt of joint 4 has ",
+        "0.36 of the robot file's 2500",
+        "loose or worn",
+    ] {
+        assert!(
+            message.contains(words),
+            "`{words}` is missing in: {message}"
+        );
+    }
+    assert_within_limits(folder.path(), lines);
 }
 
 /// An arm as workshops build it. The tip is compared with the path on the touched plate, not with
@@ -305,6 +331,14 @@ fn commissioning_and_learning_take_the_realistic_arms_error() {
     }
     let robot = folder.path().join("out/robot.toml");
     let robot = Robot::load(&robot.display().to_string()).unwrap();
+    for drive in robot.actuators.iter().flatten() {
+        let [stiffness, damping] = [
+            drive.stiffness.unwrap() / 2500.0,
+            drive.drive_damping / 8e-3,
+        ];
+        assert!((stiffness - 1.0).abs() < 0.01, "{stiffness}");
+        assert!((damping - 1.0).abs() < 0.1, "{damping}");
+    }
     // 2.5 mrad of the first harmonic, at 0.4 and 2.6 rad.
     for (drive, phase) in robot.actuators.unwrap().iter().zip([0.4, 2.6]) {
         let first = drive.encoder_error.terms()[0];

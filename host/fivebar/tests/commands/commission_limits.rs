@@ -16,12 +16,13 @@ const MAX_SPEED: f64 = 35.0;
 
 /// A step's limits: kinetic energy [J], travel while the bridges are on [rad]. Before homing, energy
 /// is what the continuous current does along the travel at which an excitation ends.
-const LIMITS: [(&str, f64, f64); 6] = [
+const LIMITS: [(&str, f64, f64); 7] = [
     ("motors", 0.1 * CONTINUOUS_TORQUE, 0.25),
     ("electrics", 0.45 * CONTINUOUS_TORQUE, 1.1),
     ("homing", 0.01, 3.1),
     ("friction", 0.1, 3.0),
     ("dynamics", 1.0, 3.0),
+    ("belts", 0.45 * CONTINUOUS_TORQUE, 3.0),
     ("validation", 0.1, 3.0),
 ];
 /// In this step the arm is homed, then moved by hand.

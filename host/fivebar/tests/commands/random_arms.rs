@@ -151,7 +151,7 @@ fn commissioned(arm: &RandomArm, kill: Option<Duration>) -> ([f64; 4], Option<Ti
 }
 
 /// Steps of a whole commissioning.
-const STEPS: usize = 12;
+const STEPS: usize = 13;
 
 #[test]
 fn random_arms_that_are_wired_wrongly_have_their_mistake_named() {

@@ -180,7 +180,9 @@ fn a_stop_ends_a_step_at_any_moment_and_the_step_can_be_done_again() {
         assert_eq!(stopped["next"], "electrics");
         go_on(&server);
     }
-    let rest = ["homing", "friction", "geometry", "dynamics", "tuning"];
+    let rest = [
+        "homing", "belts", "friction", "geometry", "dynamics", "tuning",
+    ];
     for (step, next) in ["electrics"].iter().chain(&rest).zip(&rest) {
         assert_eq!(finish(&server, step)["next"], *next);
     }

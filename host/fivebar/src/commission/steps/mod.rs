@@ -1,6 +1,7 @@
 //! The steps, in their order.
 
 mod arm;
+mod belts;
 mod bridge_limit;
 mod contactor;
 mod dynamics;
@@ -58,7 +59,7 @@ pub(crate) struct Step {
 }
 
 /// All steps.
-pub(crate) const STEPS: [Step; 12] = [
+pub(crate) const STEPS: [Step; 13] = [
     Step {
         name: "supply",
         does: "reads the bus voltage and the current sensors; nothing is switched on",
@@ -96,6 +97,12 @@ pub(crate) const STEPS: [Step; 12] = [
         name: "homing",
         does: "homes the arm three times by the method of [homing], at its speed and current",
         run: arm::homing,
+    },
+    Step {
+        name: "belts",
+        does: "homes the arm, then puts a pseudo-random voltage on one motor at a time, for 0.3 s and 0.45 rad at \
+               most; an arm without belts is left as it is",
+        run: belts::belts,
     },
     Step {
         name: "friction",

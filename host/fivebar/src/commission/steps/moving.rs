@@ -54,13 +54,18 @@ pub(super) fn follow(bench: &mut Bench, moves: &[Move]) -> Result<(), StepError>
     Ok(())
 }
 
-fn angles(bench: &Bench, joint: Joint, start: f64, rows: &LogRows) -> Result<Vec<f64>, StepError> {
+pub(super) fn angles(
+    bench: &Bench,
+    joint: Joint,
+    start: f64,
+    rows: &LogRows,
+) -> Result<Vec<f64>, StepError> {
     let per_count = TAU / bench.counts_per_turn(joint)?;
     let counts = rows.counts(joint);
     Ok(counts.iter().map(|c| start + c * per_count).collect())
 }
 
-fn currents(bench: &Bench, joint: Joint, rows: &LogRows) -> Result<Vec<f64>, StepError> {
+pub(super) fn currents(bench: &Bench, joint: Joint, rows: &LogRows) -> Result<Vec<f64>, StepError> {
     let sign = bench.drive(joint)?.gear_ratio.signum();
     let per_code = sign * f64::from(bench.settings.axes[joint].current_per_code);
     let zero = bench.zeros[joint];
