@@ -84,7 +84,7 @@ fn each_click_does_a_step_and_each_task_waits_for_a_click() {
     let server = start(&out, &[]);
     let begun = state(&server);
     assert_eq!(begun["next"], "supply");
-    assert_eq!(begun["steps"].as_array().unwrap().len(), 12);
+    assert_eq!(begun["steps"].as_array().unwrap().len(), 13);
     assert!(
         finish(&server, "supply")["steps"][0]["found"]
             .as_str()
