@@ -291,7 +291,7 @@ impl<D: Drives> ArmController<D> {
                 if self.waking == 0 {
                     self.brake.release();
                 }
-                self.drives.wake();
+                self.drives.wake(sample.counts);
                 self.release();
                 WithoutReference::Waking
             }

@@ -13,6 +13,7 @@
 mod brushed;
 pub mod can;
 mod excitation;
+mod slip;
 mod step;
 mod torque;
 
@@ -21,7 +22,7 @@ use crate::settings::{CheckedSettings, Settings};
 pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
 use fivebar_kinematics::five_bar::Joint;
-pub use step::{StepCommand, StepDrives, StepSample};
+pub use step::{Resolution, StepCommand, StepDrives, StepSample};
 pub use torque::{
     DriveHealth, DriveStiffness, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,
 };
@@ -156,8 +157,8 @@ pub trait Drives: Clone {
     /// One tick without power.
     fn rest(&mut self, sample: &Self::Sample);
 
-    /// One tick in which the drives wake up.
-    fn wake(&mut self);
+    /// One tick in which the drives wake up, with the latched counts.
+    fn wake(&mut self, counts: [i32; 2]);
 
     /// Whether what was sensed without power allows power.
     fn is_ready(&self) -> bool;

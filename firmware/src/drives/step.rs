@@ -1,20 +1,39 @@
-//! Step and direction: stepper motors whose position is that of the micro-steps.
+//! Step and direction: stepper motors that make the micro-steps to their set-points.
 
+use super::slip::Slip;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
-use crate::drives::Demand;
+use crate::drives::{Demand, Motion};
 use crate::safety::Fault;
-use crate::settings::{CheckedSettings, Settings};
+use crate::settings::{AxisSettings, CheckedSettings, Settings};
 use core::f32::consts::TAU;
-use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Joint;
+use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-/// The micro-steps that are made so far.
+/// How finely a motor steps: as its driver is set, which the board knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// Full steps in a turn of the motor.
+    pub full_steps: u16,
+    /// Micro-steps in a full step.
+    pub microsteps: u16,
+}
+
+impl Resolution {
+    /// Micro-steps in a turn of the motor.
+    pub(super) fn per_turn(self) -> f32 {
+        f32::from(self.full_steps) * f32::from(self.microsteps)
+    }
+}
+
+/// The micro-steps that are made so far, and what they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepSample {
     /// Of each joint; they wrap.
     pub steps: [i32; 2],
+    /// Of each joint's motor.
+    pub resolution: [Resolution; 2],
 }
 
 /// The micro-steps to make until the next tick.
@@ -29,13 +48,27 @@ pub struct StepCommand {
 /// Without an encoder, the counts of the sample are the micro-steps made: the controller takes the place that the motor
 /// is told for the place where it is, and no check sees a motor that has lost steps. The axis settings are those of an
 /// encoder with one count a micro-step.
+///
+/// With an encoder, the joint's angle is what it counts, and [`Fault::StepsLost`] ends a motion in which counts and
+/// micro-steps part. The angle stays known.
 #[derive(Clone)]
 pub struct StepDrives {
-    /// Micro-steps per radian at the joint, negative if the motor turns against it.
-    per_radian: [f32; 2],
-    /// The most micro-steps in a tick.
-    most: [i32; 2],
-    steps: [i32; 2],
+    axes: [Axis; 2],
+}
+
+/// One joint's motor.
+#[derive(Clone)]
+struct Axis {
+    /// Motor turns per radian of the joint, negative if the motor turns against it.
+    turns: f32,
+    /// The most motor turns in a tick.
+    fastest: f32,
+    slip: Slip,
+    /// Micro-steps made until this tick.
+    made: i32,
+    resolution: Resolution,
+    /// Micro-steps to make until the next one.
+    steps: i32,
 }
 
 /// The joints' speeds that steps are made for, over the greatest speed of the settings: what a set-point that has
@@ -47,22 +80,14 @@ impl Drives for StepDrives {
     type Command = StepCommand;
 
     const NEEDS: Needs = Needs::Motion;
-    /// From the enable of a driver to the full current in its windings.
-    const WAKE_UP_TIME: f32 = 5e-3;
+    /// From the enable of a driver until its rotor, which jumps to its field, has swung for some periods.
+    const WAKE_UP_TIME: f32 = 0.2;
 
     fn new(settings: &CheckedSettings) -> Self {
         let [axis1, axis4] = &settings.axes;
-        let per_radian =
-            [axis1, axis4].map(|axis| axis.encoder_counts as f32 * axis.gear_ratio * (1.0 / TAU));
-        let most = [(axis1, per_radian[0]), (axis4, per_radian[1])].map(|(axis, per_radian)| {
-            let steps = MARGIN * axis.max_speed * per_radian.abs() / settings.control.tick_rate;
-            // `as` cuts: one more.
-            steps as i32 + 1
-        });
+        let tick_rate = settings.control.tick_rate;
         Self {
-            per_radian,
-            most,
-            steps: [0; 2],
+            axes: [axis1, axis4].map(|axis| Axis::new(axis, tick_rate)),
         }
     }
 
@@ -75,7 +100,13 @@ impl Drives for StepDrives {
 
     fn select(&mut self, _: Joint, _: Stage) {}
 
-    fn sense(&mut self, _: &StepSample) {}
+    #[inline(always)]
+    fn sense(&mut self, sample: &StepSample) {
+        let StepSample { steps, resolution } = *sample;
+        for ((axis, made), resolution) in self.axes.iter_mut().zip(steps).zip(resolution) {
+            (axis.made, axis.resolution) = (made, resolution);
+        }
+    }
 
     fn drive_fault(&self) -> Option<Fault> {
         None
@@ -85,27 +116,35 @@ impl Drives for StepDrives {
         None
     }
 
-    fn contradiction(&mut self, _: [JointState; 2]) -> Option<Fault> {
-        None
+    /// Steps that a motor has lost, as its encoder shows.
+    #[inline(always)]
+    fn contradiction(&mut self, joints: [JointState; 2]) -> Option<Fault> {
+        let [axis1, axis4] = &mut self.axes;
+        let [joint1, joint4] = joints.map(|joint| joint.counts);
+        // Both, in every tick.
+        let faults = [axis1.fault(joint1), axis4.fault(joint4)];
+        faults.into_iter().flatten().next()
     }
 
-    /// n = (θd − θ) N/2π, rounded, of the set-point θd at the end of the tick; what rounding leaves is in the next
-    /// tick's difference.
     #[inline(always)]
     fn drive(&mut self, demand: &Demand) -> bool {
-        let [u1, u4] = Vector2::units(demand.counted);
-        let [d1, d4] = demand.motion.direction.map(Vector2::from);
-        let [per1, per4] = self.per_radian;
-        let [most1, most4] = self.most;
-        let (steps1, limited1) = whole(u1.cross_z(d1) * per1, most1);
-        let (steps4, limited4) = whole(u4.cross_z(d4) * per4, most4);
-        self.steps = [steps1, steps4];
+        let [axis1, axis4] = &mut self.axes;
+        let [counted1, counted4] = demand.counted;
+        let Motion {
+            direction: [direction1, direction4],
+            velocity: [omega1, omega4],
+            ..
+        } = demand.motion;
+        let limited1 = axis1.drive(counted1, direction1, omega1);
+        let limited4 = axis4.drive(counted4, direction4, omega4);
         limited1 || limited4
     }
 
     #[inline(always)]
     fn command(&self) -> StepCommand {
-        StepCommand { steps: self.steps }
+        StepCommand {
+            steps: self.axes.each_ref().map(|axis| axis.steps),
+        }
     }
 
     /// Steps are whole numbers.
@@ -113,9 +152,18 @@ impl Drives for StepDrives {
         true
     }
 
-    fn rest(&mut self, _: &StepSample) {}
+    fn rest(&mut self, _: &StepSample) {
+        for axis in &mut self.axes {
+            axis.slip.rest();
+        }
+    }
 
-    fn wake(&mut self) {}
+    /// Nothing is judged yet.
+    fn wake(&mut self, counts: [i32; 2]) {
+        for (axis, counts) in self.axes.iter_mut().zip(counts) {
+            axis.fault(counts);
+        }
+    }
 
     fn is_ready(&self) -> bool {
         true
@@ -123,7 +171,9 @@ impl Drives for StepDrives {
 
     #[inline(always)]
     fn release(&mut self) {
-        self.steps = [0; 2];
+        for axis in &mut self.axes {
+            axis.steps = 0;
+        }
     }
 
     fn watch_heat(&mut self, _: Joint) -> Option<Fault> {
@@ -151,6 +201,42 @@ impl Drives for StepDrives {
     fn excite(&mut self, _: Joint, _: Excited, _: f32, _: f32) {}
 }
 
+impl Axis {
+    fn new(axis: &AxisSettings, tick_rate: f32) -> Self {
+        let turns = axis.gear_ratio * (1.0 / TAU);
+        Self {
+            turns,
+            fastest: MARGIN * axis.max_speed * Scalar::abs(turns) / tick_rate,
+            slip: Slip::new(axis.encoder_counts, tick_rate),
+            made: 0,
+            resolution: Resolution::default(),
+            steps: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn fault(&mut self, counts: i32) -> Option<Fault> {
+        self.slip.fault(counts, self.made, self.resolution)
+    }
+
+    /// n = (θd − θ) N/2π + d, rounded, of the set-point θd at the end of the tick, the counted angle θ and the rotor's lead
+    /// d: both together are where the motor is told to be. What rounding leaves is in the next tick's difference. True if
+    /// the speed limits them.
+    #[inline(always)]
+    fn drive(&mut self, counted: f32, set_point: [f32; 2], velocity: f32) -> bool {
+        if velocity != 0.0 {
+            self.slip.moves();
+        }
+        let per_turn = self.resolution.per_turn();
+        let gap = Vector2::unit(counted).cross_z(set_point.into());
+        // `as` cuts: one more.
+        let most = (self.fastest * per_turn) as i32 + 1;
+        let (steps, limited) = whole(gap * self.turns * per_turn + self.slip.ahead(), most);
+        self.steps = steps;
+        limited
+    }
+}
+
 /// The nearest whole number of steps, within ±`most`; true if that limits it. Of what is not a number, none.
 #[inline(always)]
 fn whole(steps: f32, most: i32) -> (i32, bool) {
@@ -163,7 +249,6 @@ fn whole(steps: f32, most: i32) -> (i32, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drives::Motion;
 
     fn demand(counted: f32, wanted: f32) -> Demand {
         let direction = Vector2::unit(wanted).into();
@@ -180,6 +265,18 @@ mod tests {
         }
     }
 
+    /// What drives sense that have made these micro-steps.
+    fn made(steps: [i32; 2]) -> StepSample {
+        let nema17 = Resolution {
+            full_steps: 200,
+            microsteps: 16,
+        };
+        StepSample {
+            steps,
+            resolution: [nema17; 2],
+        }
+    }
+
     #[test]
     fn steps_follow_the_set_point_to_half_a_step_and_never_drift() {
         let mut settings = Settings::BENCHTOP;
@@ -190,17 +287,18 @@ mod tests {
         let settings = settings.check().expect("settings");
         let mut drives = StepDrives::new(&settings);
         let step = TAU / 12_800.0;
-        let mut made = [0_i32; 2];
+        let mut total = [0_i32; 2];
         for tick in 0..200_000_u32 {
             let wanted = 1.2 * (tick as f32 * 5e-4).sin();
-            let at = [made[0] as f32 * step, made[1] as f32 * -step];
+            let at = [total[0] as f32 * step, total[1] as f32 * -step];
+            drives.sense(&made(total));
             let mut demand = demand(0.0, wanted);
             demand.counted = at;
             assert!(!drives.drive(&demand), "tick {tick}");
-            for (made, steps) in made.iter_mut().zip(drives.command().steps) {
-                *made += steps;
+            for (total, steps) in total.iter_mut().zip(drives.command().steps) {
+                *total += steps;
             }
-            for at in [made[0] as f32 * step, made[1] as f32 * -step] {
+            for at in [total[0] as f32 * step, total[1] as f32 * -step] {
                 assert!(
                     (at - wanted).abs() < 0.51 * step,
                     "tick {tick}: {at} for {wanted}"
@@ -212,10 +310,11 @@ mod tests {
     #[test]
     fn more_steps_than_a_motor_can_make_are_limited_and_what_is_no_number_is_no_step() {
         let mut drives = StepDrives::new(&Settings::BENCHTOP.check().expect("settings"));
+        drives.sense(&made([0; 2]));
         assert!(drives.drive(&demand(0.0, 1.0)));
         let [most, _] = drives.command().steps;
         let axis = &Settings::BENCHTOP.axes[0];
-        let fastest = axis.max_speed * axis.encoder_counts as f32 * axis.gear_ratio / TAU * 1e-4;
+        let fastest = axis.max_speed * 3200.0 * axis.gear_ratio / TAU * 1e-4;
         assert!((1.5 * fastest..1.5 * fastest + 1.0).contains(&(most as f32)));
         assert!(!drives.drive(&demand(f32::NAN, 0.0)));
         assert_eq!(drives.command().steps, [0; 2]);

@@ -230,7 +230,7 @@ impl Drives for TorqueDrives {
 
     fn rest(&mut self, _: &TorqueSample) {}
 
-    fn wake(&mut self) {}
+    fn wake(&mut self, _: [i32; 2]) {}
 
     fn is_ready(&self) -> bool {
         true

@@ -93,6 +93,8 @@ pub enum Fault {
     DriveError = 32,
     /// The controller has left the bus after too many errors: its wiring, or the drives' bit rate, is at fault.
     BusOff = 33,
+    /// A stepper's encoder has left its micro-steps: steps are lost. The angles are those of the encoders.
+    StepsLost = 34,
 }
 
 /// What a fault does to the arm.
@@ -154,7 +156,8 @@ impl Fault {
             | Self::UnexpectedReset
             | Self::DriveSilent
             | Self::DriveError
-            | Self::BusOff => Response::PowerOff,
+            | Self::BusOff
+            | Self::StepsLost => Response::PowerOff,
         }
     }
 

@@ -277,6 +277,7 @@ fn what_the_board_finds() {
         (Fault::DriveSilent, 31),
         (Fault::DriveError, 32),
         (Fault::BusOff, 33),
+        (Fault::StepsLost, 34),
     ] {
         let mut rig = Rig::new(&settings());
         rig.controller.latch_fault(fault);
@@ -398,7 +399,7 @@ fn a_power_off_fault_replaces_one_that_holds() {
 #[test]
 fn numbers_are_stable_and_complete() {
     let numbers = Fault::all().map(Fault::number);
-    assert!(numbers.eq(1..=33));
+    assert!(numbers.eq(1..=34));
 }
 
 #[test]

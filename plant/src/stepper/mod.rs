@@ -32,7 +32,20 @@ impl Mismatch {
 }
 
 impl FaultKind {
-    /// Whether it can happen to an arm with steppers.
+    /// Whether it happens to an encoder, also to that of a stepper.
+    pub fn is_of_encoders(&self) -> bool {
+        matches!(
+            self,
+            Self::EncoderDead { .. }
+                | Self::EncoderJump { .. }
+                | Self::EncoderGain { .. }
+                | Self::EncoderChannelStuck { .. }
+                | Self::EncoderNoise { .. }
+                | Self::CouplingSlips { .. }
+        )
+    }
+
+    /// Whether it can happen to an arm with steppers, with and without encoders.
     pub fn is_of_steppers(&self) -> bool {
         matches!(
             self,

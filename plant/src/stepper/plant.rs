@@ -11,7 +11,7 @@ use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::plant::Plant;
-use fivebar_firmware::drives::{BrushedCommand, StepCommand, StepSample};
+use fivebar_firmware::drives::{BrushedCommand, Resolution, StepCommand, StepSample};
 use fivebar_firmware::{ActuatorCommand, ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
@@ -174,7 +174,14 @@ impl StepperPlant {
         });
         ArmSample {
             counts,
-            drives: StepSample { steps },
+            drives: StepSample {
+                steps,
+                // The checks of a robot file keep both below 65,536.
+                resolution: self.axes.each_ref().map(|axis| Resolution {
+                    full_steps: axis.motor.steps_per_turn as u16,
+                    microsteps: axis.motor.microsteps as u16,
+                }),
+            },
             home: sample.home,
             index: sample.index,
             emergency_stop: sample.emergency_stop,

@@ -3,4 +3,5 @@
 mod approach;
 mod can_bus;
 mod learning;
+mod stepper_encoders;
 mod steppers;

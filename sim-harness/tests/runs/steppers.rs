@@ -6,12 +6,12 @@ use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, PlantFault};
 use fivebar_sim::simulation::{Record, RunError, Simulate, Summary};
 
-fn benchtop(change: impl Fn(&str) -> String) -> Robot {
+pub(crate) fn benchtop(change: impl Fn(&str) -> String) -> Robot {
     let text = BuiltIn::find("benchtop_stepper").expect("built in").text;
     Robot::parse("arm.toml", &change(text)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn run(scenario: &Scenario) -> (Summary, Record) {
+pub(crate) fn run(scenario: &Scenario) -> (Summary, Record) {
     let job = scenario.job().unwrap();
     scenario.simulate(&job, &mut |_| ()).unwrap()
 }

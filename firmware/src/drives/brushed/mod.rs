@@ -179,7 +179,7 @@ impl Drives for BrushedDrives {
         self.measure_zeros(sample.current);
     }
 
-    fn wake(&mut self) {
+    fn wake(&mut self, _: [i32; 2]) {
         self.zeros.restart();
     }
 

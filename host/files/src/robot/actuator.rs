@@ -96,8 +96,8 @@ pub(super) struct ActuatorFile {
 /// The keys that not every kind takes, each with the kinds that take it.
 const OF_SOME: [(&str, &[DriveKind]); 28] = [
     ("torque_constant", &[Brushed, Can]),
-    ("encoder_counts", &[Brushed, Can]),
-    ("encoder_side", &[Brushed]),
+    ("encoder_counts", &[Brushed, Steps, Can]),
+    ("encoder_side", &[Brushed, Steps]),
     ("encoder_latency", &[Brushed]),
     ("encoder_error", &[Brushed, Can]),
     ("peak_current", &[Brushed]),
@@ -263,8 +263,8 @@ impl ActuatorFile {
         Protocol::Odrive
     }
 
-    /// A stepper, as the motor that the rest of the program knows: its holding torque at the rated current, and one
-    /// count a micro-step.
+    /// A stepper, as the motor that the rest of the program knows: its holding torque at the rated current, and, without
+    /// an encoder, one count a micro-step.
     fn stepper(self, reader: &mut Reader<'_, '_>) -> Actuator {
         let holding_torque = reader.needed("holding_torque", self.holding_torque);
         let rated_current = reader.needed("rated_current", self.rated_current);
@@ -274,6 +274,12 @@ impl ActuatorFile {
         let torque_share = self.torque_share.unwrap_or(Stepper::TORQUE_SHARE);
         let resistance = reader.needed("resistance", self.resistance);
         let inductance = reader.needed("inductance", self.inductance);
+        let encoder_counts = self.encoder_counts;
+        let side = Key::Of("actuator", reader.index, "encoder_side");
+        if encoder_counts.is_none() && reader.source.holds(side) {
+            let reason = "needs `encoder_counts`: without it the stepper has no encoder";
+            reader.refusals.add(reader.source.refuse(side, reason));
+        }
         let any = self.any(reader);
         let motor = Motor {
             steps_per_turn,
@@ -285,13 +291,14 @@ impl ActuatorFile {
             resistance,
             inductance,
             detent_torque,
-            encoder: false,
+            encoder: encoder_counts.is_some(),
         };
         Actuator {
             torque_constant: motor.torque_constant(),
             resistance,
             inductance,
-            encoder_counts: steps_per_turn.saturating_mul(microsteps),
+            encoder_counts: encoder_counts
+                .unwrap_or_else(|| steps_per_turn.saturating_mul(microsteps)),
             peak_current: rated_current,
             continuous_current: rated_current,
             thermal_time_constant: Stepper::HEATING,

@@ -7,6 +7,7 @@ use super::{Actuator, Robot};
 use crate::source::{Key, Refusals, Source};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Stepper as Motor;
+use std::f64::consts::TAU;
 
 /// A stepper, and how much of it a motion may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,8 @@ const STEPS_PER_TURN: [u32; 2] = [20, 1000];
 const MICROSTEPS: u32 = 256;
 /// The detent torque over the holding torque; motors have 0.02 to 0.1.
 const DETENT: [f64; 2] = [0.002, 0.5];
+/// The fewest encoder counts in a full step: fewer do not show within half of one that steps are lost.
+const COUNTS_PER_STEP: u32 = 8;
 /// The most micro-steps in a second of one motor.
 const STEP_RATE: f64 = 200e3;
 
@@ -80,6 +83,12 @@ impl Robot {
         let (motors, inertia) = (self.steppers()?, self.inertia_at_motors()?);
         let ratios = Joint::ALL.map(|j| inertia[j] / motors[j].rotor_inertia - 1.0);
         Some(ratios[0].max(ratios[1]))
+    }
+
+    /// Whether it has steppers, both with encoders.
+    pub fn has_steppers_with_encoders(&self) -> bool {
+        let motors = self.steppers();
+        motors.is_some_and(|motors| motors.iter().all(|motor| motor.encoder))
     }
 
     /// Whether its joints are turned by steppers.
@@ -146,6 +155,15 @@ pub(super) fn check(
         );
         refusals.add(source.refuse(key("microsteps"), reason));
     }
+    let fewest = COUNTS_PER_STEP.saturating_mul(motor.steps_per_turn);
+    if motor.encoder && actuator.encoder_counts < fewest {
+        let reason = format!(
+            "must be {fewest} per motor turn at least, {COUNTS_PER_STEP} a full step, not {}: lost steps do not show; \
+             leave it out if the stepper has no encoder",
+            actuator.encoder_counts
+        );
+        refusals.add(source.refuse(key("encoder_counts"), reason));
+    }
     for (name, value) in [
         ("holding_torque", motor.holding_torque),
         ("rated_current", motor.rated_current),
@@ -195,8 +213,8 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
         let motor = &stepper.motor;
         let key = |name| Key::Of("actuator", joint.index(), name);
         let max_speed = robot.limits.max_speed[joint];
-        let turns = max_speed * actuator.gear_ratio.abs() / std::f64::consts::TAU;
-        let rate = turns * f64::from(actuator.encoder_counts);
+        let turns = max_speed * actuator.gear_ratio.abs() / TAU;
+        let rate = turns * f64::from(motor.steps_per_turn) * f64::from(motor.microsteps);
         if rate > STEP_RATE {
             let reason = format!(
                 "of {joint} needs {rate:.0} micro-steps/s, and a driver takes {STEP_RATE:.0}: lower it, or the \
@@ -235,10 +253,19 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             );
             refusals.add(source.refuse(key("holding_torque"), reason));
         }
+        let swing =
+            LEAST_ERROR * TAU / (f64::from(motor.steps_per_turn) * actuator.gear_ratio.abs());
+        if motor.encoder && robot.protection.following_error < swing {
+            let reason = format!(
+                "must be {swing:.3} rad at least, {LEAST_ERROR} full steps of {joint}: a rotor swings by four when its \
+                 current comes"
+            );
+            refusals.add(source.refuse(Key::In("protection", "following_error"), reason));
+        }
         let friction = actuator.coulomb_friction
             + motor.detent_torque * actuator.gear_ratio.abs()
             + actuator.brake_torque;
-        if weight > friction {
+        if weight > friction && !motor.encoder {
             let reason = format!(
                 "must hold the arm while its motors are off, {weight:.3} N·m at home: without an encoder its place is \
                  lost when it falls"
@@ -248,5 +275,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
     }
 }
 
+/// The least following error of a motor with an encoder [full steps].
+const LEAST_ERROR: f64 = 5.0;
 /// The least pull-out torque at the greatest speed, over the holding torque.
 const LEAST_SHARE: f64 = 0.1;

@@ -354,10 +354,18 @@ impl FaultEntry {
                 "kind",
                 "is of brushed motors or steppers, and this arm has drives on a CAN bus",
             ),
-            _ if has_steppers && !kind.is_of_steppers() => refused(
-                "kind",
-                "is of brushed motors and encoders, and this arm has steppers",
-            ),
+            _ if kind.is_of_encoders() && has_steppers => {
+                if robot.has_steppers_with_encoders() {
+                    return Ok(());
+                }
+                refused(
+                    "kind",
+                    "is of encoders, and this arm has steppers without: give both an `encoder_counts`",
+                )
+            }
+            _ if has_steppers && !kind.is_of_steppers() => {
+                refused("kind", "is of brushed motors, and this arm has steppers")
+            }
             FaultKind::BeltBreaks { joint }
                 if parameters.transmissions[joint].stiffness.is_none() =>
             {

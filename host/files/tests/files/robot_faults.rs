@@ -138,8 +138,13 @@ fn steppers_are_refused_what_they_cannot_do_with_the_way_out() {
     for (old, new, sentence) in [
         (
             "microsteps = 16",
-            "microsteps = 16\nencoder_counts = 4000",
-            "is a key of kind \"brushed\"",
+            "microsteps = 16\nencoder_counts = 400",
+            "must be 1600 per motor turn at least",
+        ),
+        (
+            "microsteps = 16",
+            "microsteps = 16\nencoder_side = \"joint\"",
+            "needs `encoder_counts`",
         ),
         (
             "kind = \"stepper\"\n",
@@ -190,6 +195,22 @@ fn steppers_are_refused_what_they_cannot_do_with_the_way_out() {
             .any(|refusal| refusal.contains(sentence) && refusal.starts_with("arm.toml, line "));
         assert!(found, "{new}: {sentence} is not in {refusals:#?}");
     }
+}
+
+#[test]
+fn encoders_on_steppers_need_room_for_the_swing_when_the_current_comes() {
+    let both = |following_error: &str| {
+        let text = stepper("following_error = 0.05", following_error);
+        text.replace("microsteps = 16", "microsteps = 16\nencoder_counts = 4000")
+    };
+    Robot::parse("arm.toml", &both("following_error = 0.05")).expect("with encoders");
+    let refused = Robot::parse("arm.toml", &both("following_error = 0.02")).unwrap_err();
+    let sentence = "must be 0.039 rad at least, 5 full steps of joint 1";
+    assert!(refused.to_string().contains(sentence), "{refused}");
+    // Without power its place stays known while it falls.
+    let falls =
+        both("following_error = 0.05").replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]");
+    Robot::parse("arm.toml", &falls).expect("with encoders it may fall");
 }
 
 /// The built-in robot with drives on a bus, with this line of the first `[[actuator]]` changed.

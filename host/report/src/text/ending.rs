@@ -111,6 +111,10 @@ pub fn next_step(fault: Fault) -> &'static str {
         Fault::BusOff => {
             "Check the bus: its wires, its two terminators and the bit rate, 1 Mbit/s on all."
         }
+        Fault::StepsLost => {
+            "Look what held the arm, or lower its speed or `torque_share`; check the motors' wires and the encoders. The \
+             arm is where the encoders show it: clear the fault and arm again."
+        }
     }
 }
 
