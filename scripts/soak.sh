@@ -11,6 +11,9 @@
 #   scripts/soak.sh belts FIRST_SEED COUNT        random arms on belts against their predictions
 #   scripts/soak.sh faults FIRST_SEED COUNT       single faults of the arm in every state; writes
 #                                                 docs/verify/fault-campaign.md
+#   scripts/soak.sh steppers FIRST_SEED ARMS JOBS random jobs on random arms with steppers, against the best
+#                                                 constant acceleration: the table of
+#                                                 docs/verify/stepper-motion.md
 #   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -40,6 +43,10 @@ case ${1:-} in
         ;;
     faults)
         FAULTS_SEED=$2 FAULTS_COUNT=$3 soak --test fault_campaign -- many_random_faults
+        ;;
+    steppers)
+        STEPPERS_SEED=$2 STEPPERS_ARMS=$3 STEPPERS_JOBS=$4 cargo test --quiet --package fivebar-sim \
+            --test runs -- --nocapture --ignored stepper_campaign
         ;;
     serve)
         SOAK_MINUTES=$2 cargo test --quiet --package fivebar --test serve -- \

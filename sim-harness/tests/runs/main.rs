@@ -3,5 +3,6 @@
 mod approach;
 mod can_bus;
 mod learning;
+mod stepper_campaign;
 mod stepper_encoders;
 mod steppers;

@@ -110,7 +110,7 @@ fn heavy_links_on_a_small_gear_ratio_are_not_drawn_at_the_limit_of_the_torque() 
 
 /// The built-in arm with other lengths (inertias with their square) and another gear ratio, and the same speed at the
 /// motors.
-fn resized(size: f64, gear_ratio: f64) -> Robot {
+pub(crate) fn resized(size: f64, gear_ratio: f64) -> Robot {
     let number = |line: &str, key: &str| -> Option<f64> {
         let value = line.strip_prefix(key)?.trim_start_matches([' ', '=', '[']);
         value.split([',', ' ']).next()?.parse().ok()

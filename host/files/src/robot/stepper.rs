@@ -4,7 +4,7 @@
 //! it: that at the joint's greatest speed, which is the least.
 
 use super::{Actuator, Robot};
-use crate::source::{Key, Refusals, Source};
+use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Stepper as Motor;
 use std::f64::consts::TAU;
@@ -42,13 +42,15 @@ impl Stepper {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "robot `{robot}` has {drives}: `fivebar sim` runs jobs on them, but no image of the firmware drives them yet, and \
-     loops, logs and commissioning are of brushed motors"
+     loops, logs and commissioning are of brushed motors. {instead}"
 )]
 pub struct NotBrushed {
     /// The robot's name.
     pub robot: String,
     /// Its drives.
     drives: &'static str,
+    /// What applies to them in place of what was asked for.
+    instead: &'static str,
 }
 
 impl Robot {
@@ -102,15 +104,26 @@ impl Robot {
     /// # Errors
     /// Its motors are steppers, or its drives are on a bus.
     pub fn brushed(&self) -> Result<&Self, NotBrushed> {
-        let drives = if self.has_steppers() {
-            "steppers"
+        let (drives, instead) = if self.has_steppers() {
+            (
+                "steppers",
+                "Steppers have no loop of the controller and no torque to log: `torque_share` is their margin, and \
+                 `sim` shows the `lost_steps`",
+            )
         } else if self.can_drives().is_some() {
-            "drives on a CAN bus"
+            (
+                "drives on a CAN bus",
+                "These drives have loops and measurements of their own: tune and check them by their maker's program",
+            )
         } else {
             return Ok(self);
         };
         let robot = self.name.clone();
-        Err(NotBrushed { robot, drives })
+        Err(NotBrushed {
+            robot,
+            drives,
+            instead,
+        })
     }
 }
 
@@ -253,15 +266,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             );
             refusals.add(source.refuse(key("holding_torque"), reason));
         }
-        let swing =
-            LEAST_ERROR * TAU / (f64::from(motor.steps_per_turn) * actuator.gear_ratio.abs());
-        if motor.encoder && robot.protection.following_error < swing {
-            let reason = format!(
-                "must be {swing:.3} rad at least, {LEAST_ERROR} full steps of {joint}: a rotor swings by four when its \
-                 current comes"
-            );
-            refusals.add(source.refuse(Key::In("protection", "following_error"), reason));
-        }
+        refusals.check(has_room_to_swing(source, robot, joint, actuator));
         let friction = actuator.coulomb_friction
             + motor.detent_torque * actuator.gear_ratio.abs()
             + actuator.brake_torque;
@@ -273,6 +278,27 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             refusals.add(source.refuse(key("brake_torque"), reason));
         }
     }
+}
+
+/// Checks that a rotor with an encoder may swing when its current comes, without a following error.
+fn has_room_to_swing(
+    source: &Source<'_>,
+    robot: &Robot,
+    joint: Joint,
+    actuator: &Actuator,
+) -> Result<(), FileError> {
+    let Some(Stepper { motor, .. }) = &actuator.stepper else {
+        return Ok(());
+    };
+    let steps = f64::from(motor.steps_per_turn) * actuator.gear_ratio.abs();
+    let swing = LEAST_ERROR * TAU / steps;
+    if !motor.encoder || robot.protection.following_error >= swing {
+        return Ok(());
+    }
+    let reason = format!(
+        "must be {swing:.3} rad at least, {LEAST_ERROR} full steps of {joint}: a rotor swings by four when its current comes"
+    );
+    Err(source.refuse(Key::In("protection", "following_error"), reason))
 }
 
 /// The least following error of a motor with an encoder [full steps].
