@@ -27,6 +27,7 @@ mod left_behind;
 mod lost_counts;
 mod motor_check;
 mod moving;
+mod step_drives;
 mod stopping;
 mod tool;
 mod torque_drives;

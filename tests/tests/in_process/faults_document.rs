@@ -4,13 +4,14 @@ use fivebar_firmware::safety::{Fault, Response};
 
 const DOCUMENT: &str = include_str!("../../../docs/use/faults.md");
 /// The files with the tests that it names.
-const TESTS: [&str; 14] = [
+const TESTS: [&str; 15] = [
     include_str!("../../../firmware/tests/controller/crossing.rs"),
     include_str!("../../../firmware/tests/controller/faults.rs"),
     include_str!("../../../firmware/tests/controller/holding_brake.rs"),
     include_str!("../../../firmware/tests/controller/homing.rs"),
     include_str!("../../../firmware/tests/controller/homing_index.rs"),
     include_str!("../../../firmware/tests/controller/lost_counts.rs"),
+    include_str!("../../../firmware/tests/controller/step_drives.rs"),
     include_str!("../../../firmware/tests/controller/torque_drives.rs"),
     include_str!("../../../firmware/tests/host/session.rs"),
     include_str!("../../../firmware/tests/settings/storage.rs"),
