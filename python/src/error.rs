@@ -29,6 +29,11 @@ pub(crate) fn robot(py: Python<'_>, error: impl Display) -> PyErr {
     raise(py, "RobotError", (error.to_string(),))
 }
 
+/// A study that cannot be done, or the file that describes it.
+pub(crate) fn study(py: Python<'_>, error: impl Display) -> PyErr {
+    raise(py, "StudyError", (error.to_string(),))
+}
+
 /// A scenario that cannot be run.
 pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
     let message = error.to_string();

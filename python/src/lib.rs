@@ -12,6 +12,7 @@ mod positions;
 mod robot;
 mod simulation;
 mod status;
+mod study;
 
 /// The module, as Python imports it.
 #[pyo3::pymodule]
@@ -28,4 +29,6 @@ mod _native {
     use super::simulation::Scenario;
     #[pymodule_export]
     use super::status::statuses;
+    #[pymodule_export]
+    use super::study::{design, margins, plan, workspace};
 }

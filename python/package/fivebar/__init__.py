@@ -20,6 +20,7 @@ from ._errors import (
     RobotError,
     RunError,
     SingularError,
+    StudyError,
     UnreachableError,
 )
 from ._results import (
@@ -34,9 +35,11 @@ from ._results import (
 from ._robots import built_in
 from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
+from ._studies import Design, design
 
 __all__ = [
     "Arm",
+    "Design",
     "FivebarError",
     "Forward",
     "ForwardDynamics",
@@ -55,9 +58,11 @@ __all__ = [
     "Side",
     "SingularError",
     "Status",
+    "StudyError",
     "Trace",
     "UnreachableError",
     "built_in",
+    "design",
     "simulate",
 ]
 

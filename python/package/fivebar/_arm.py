@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _native
-from ._errors import RobotError
+from . import _native, _studies
+from ._errors import FivebarError, RobotError
 from ._results import (
     Forward,
     ForwardDynamics,
@@ -25,7 +26,7 @@ from ._status import Side
 
 
 class Arm:
-    """A planar five-bar arm, made by :meth:`load`, :meth:`from_file` or :meth:`from_toml`.
+    """A planar five-bar arm, from its lengths, or by :meth:`load`, :meth:`from_file`, :meth:`from_toml`.
 
     >>> import fivebar
     >>> arm = fivebar.Arm.load("benchtop")
@@ -53,10 +54,39 @@ class Arm:
     only :meth:`simulate` uses the tool's offset.
     """
 
-    def __init__(self, robot: _native.Robot, made: Tuple[Any, ...]) -> None:
-        """Use :meth:`load`, :meth:`from_file` or :meth:`from_toml`."""
-        self._robot = robot
-        self._made = made
+    def __init__(
+        self,
+        *,
+        l1: float,
+        l2: float,
+        l3: Optional[float] = None,
+        l4: Optional[float] = None,
+        base: float,
+        name: str = "arm",
+    ) -> None:
+        """An arm of these lengths [m], without masses and motors.
+
+        l1, l4: of the driven links; l2, l3: of the links that meet at C; base: from A to E. A
+        length of the second leg that is not given is that of the first. ``base=0`` is a coaxial
+        arm. The elbows point outwards.
+
+        >>> Arm(l1=0.1, l2=0.16, base=0.08).inverse([0.04, 0.2]).theta.round(4).tolist()
+        [2.2531, 0.8885]
+        """
+        lengths = (l1, l2, l2 if l3 is None else l3, l1 if l4 is None else l4)
+        lines = [f"name = {json.dumps(name)}", "gravity = [0.0, 0.0]", f"base = {float(base)!r}"]
+        lines += [f"[[link]]\nlength = {float(length)!r}" for length in lengths]
+        text = "\n".join(lines)
+        self._robot = _native.Robot.parse(name, text)
+        self._made: Tuple[Any, ...] = (Arm.from_toml, (text, name))
+
+    @classmethod
+    def _of(cls, robot: _native.Robot, made: Tuple[Any, ...]) -> Arm:
+        """The arm of a robot, and the call that makes it again for `pickle`."""
+        arm = cls.__new__(cls)
+        arm._robot = robot
+        arm._made = made
+        return arm
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return self._made
@@ -70,7 +100,7 @@ class Arm:
         >>> Arm.load("usp_2dof").lengths
         (0.12, 0.16, 0.16, 0.12, 0.1)
         """
-        return cls(_native.Robot.load(name_or_path), (cls.load, (name_or_path,)))
+        return cls._of(_native.Robot.load(name_or_path), (cls.load, (name_or_path,)))
 
     @classmethod
     def from_file(cls, path: Union[str, os.PathLike[str]]) -> Arm:
@@ -92,7 +122,7 @@ class Arm:
         ...
         fivebar.RobotError: robot, line 1: missing field `gravity`
         """
-        return cls(_native.Robot.parse(name, text), (cls.from_toml, (text, name)))
+        return cls._of(_native.Robot.parse(name, text), (cls.from_toml, (text, name)))
 
     @property
     def name(self) -> str:
@@ -244,6 +274,27 @@ class Arm:
         )
         return Motion(status, *fields)
 
+    def jacobian(
+        self, theta: ArrayLike, assembly: Optional[SideLike] = None, *, strict: bool = False
+    ) -> Floats:
+        """The derivative of C by the driven joints' angles, ∂(x, y)/∂(θ1, θ4) [m/rad], S + (2, 2).
+
+        theta [rad]: of joints 1 and 4, S + (2,). NaN where B, C, D are in line. The torques that
+        hold a force F on C are −JᵀF.
+
+        >>> arm = Arm.load("benchtop")
+        >>> j = arm.jacobian(arm.home)
+        >>> v = arm.motion(arm.home, [0.3, -0.2]).c_velocity
+        >>> bool(abs(j @ [0.3, -0.2] - v).max() < 1e-15)
+        True
+        """
+        theta = np.asarray(theta, dtype=float)
+        columns = [
+            self.motion(theta, unit, assembly=assembly, strict=strict).c_velocity
+            for unit in ((1.0, 0.0), (0.0, 1.0))
+        ]
+        return np.stack(columns, axis=-1)
+
     def inverse_motion(
         self,
         points: ArrayLike,
@@ -367,6 +418,48 @@ class Arm:
         True
         """
         return run(self._robot, job, origin, scale, seed, computed_torque, mismatch)
+
+    def workspace(self, resolution: Optional[float] = None) -> Dict[str, Any]:
+        """Areas and the largest clear rectangle of every branch: ``fivebar workspace --json``.
+
+        resolution: side of a cell [m]; by default it suits the arm's size. The units are in the
+        keys. Raises :class:`fivebar.RobotError`.
+
+        >>> len(Arm.load("benchtop").workspace()["branches"])
+        8
+        """
+        return _studies.workspace(self._robot, resolution)
+
+    def margins(self) -> Dict[str, Any]:
+        """The margins of the position loop over the workspace: ``fivebar margins --json``.
+
+        Raises :class:`fivebar.RobotError` if the robot has no masses, no motors with currents or
+        no pose. Where the loop is unstable the margins are None.
+
+        >>> Arm.load("benchtop").margins()["modulus_margin"] > 0.5
+        True
+        """
+        return _studies.margins(self._robot)
+
+    def plan(
+        self,
+        path: Union[_studies.Source, Mapping[str, Any]],
+        *,
+        torque_share: float = 1.0,
+        jerk: Optional[float] = None,
+    ) -> Dict[str, Any]:
+        """A time-optimal plan along a path: ``fivebar plan --path --json``.
+
+        path: the JSON of a path file, as text, as a dictionary, or as the ``pathlib.Path`` of a
+        file; docs/design/time-optimal.md describes it. torque_share: share of the torque limits, in
+        (0, 1]. jerk: the greatest joint jerk [rad/s³]. The path's own robot is not looked at.
+        Raises :class:`fivebar.StudyError`.
+        """
+        if not 0.0 < torque_share <= 1.0:
+            raise FivebarError(f"torque_share must be in (0, 1], not {torque_share!r}")
+        if jerk is not None and not (jerk > 0.0 and np.isfinite(jerk)):
+            raise FivebarError(f"jerk must be a positive finite number, not {jerk!r}")
+        return _studies.plan(self._robot, path, torque_share, jerk)
 
     def _ask(
         self,

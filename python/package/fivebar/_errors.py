@@ -70,3 +70,7 @@ class JobError(FivebarError):
 
 class RunError(FivebarError):
     """A run that could not begin or ended early, for a reason other than a fault of the arm."""
+
+
+class StudyError(FivebarError):
+    """A study that cannot be done, or a description of it that is refused."""

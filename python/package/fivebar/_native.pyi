@@ -13,14 +13,18 @@ __all__ = [
     "Robot",
     "Scenario",
     "built_in",
+    "design",
     "forward",
     "forward_dynamics",
     "inverse",
     "inverse_dynamics",
     "inverse_motion",
+    "margins",
     "mode_change",
     "motion",
+    "plan",
     "statuses",
+    "workspace",
 ]
 
 @final
@@ -103,3 +107,9 @@ def forward_dynamics(
     assembly: _Signs,
     external_force: _Numbers,
 ) -> _Answer: ...
+def workspace(robot: Robot, resolution: Optional[float]) -> str: ...
+def margins(robot: Robot) -> str: ...
+def plan(
+    robot: Robot, file: str, text: str, torque_share: float, jerk: Optional[float]
+) -> str: ...
+def design(file: str, text: str, folder: str, seed: int) -> Tuple[str, str]: ...
