@@ -4,12 +4,13 @@
 //!
 //! Jr θ̈m = τ − k(θm − θ) − d(θ̇m − θ̇) − s θ̇m, Ma θ̈ = k(θm − θ) + d(θ̇m − θ̇) − b θ̇,
 //!
-//! where the other motor is shorted and braked by s = (N K)²/R. τ follows from the measured current. Friction,
-//! and the way on which the arm goes, are slow: a high-pass filter on angle and torque leaves the belts' swing. k and d of the driven
+//! where the other motor is shorted and braked by s = (N K)²/R. τ follows from the measured current. Friction
+//! and the arm's travel are slow: a high-pass filter on angle and torque leaves the belts' swing. k and d of the driven
 //! joint are those with which the equations, driven by the filtered torque, come nearest to the filtered angle.
 
 use super::filter::LowPass;
 use crate::servo::exponential;
+use fivebar_kinematics::five_bar::Joint;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 /// What is known of an arm whose belt is asked for, at the pose of the log. Pairs are of joint 1 and joint 4, at the joint.
@@ -34,8 +35,8 @@ pub struct BeltArm {
 /// A log of one motor's torque and its encoder's angle.
 #[derive(Clone, Copy, Debug)]
 pub struct BeltLog<'a> {
-    /// The driven joint: 0 or 1.
-    pub joint: usize,
+    /// The driven joint.
+    pub joint: Joint,
     /// Between two rows [s].
     pub period: f64,
     /// The encoder's angle at each row [rad].
@@ -75,20 +76,21 @@ const STEP: f64 = 1e-4;
 const UNEXPLAINED: f64 = 0.5;
 
 impl BeltArm {
-    fn with(mut self, joint: usize, [stiffness, damping]: [f64; 2]) -> Self {
+    fn with(mut self, joint: Joint, [stiffness, damping]: [f64; 2]) -> Self {
         self.stiffness[joint] = stiffness;
         self.damping[joint] = damping;
         self
     }
 
     /// ẋ = A x + B τ; x: rotors, links, and their rates. The rows of A and B over `period`, exactly for a constant torque.
-    fn sampled(&self, joint: usize, period: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    fn sampled(&self, joint: Joint, period: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let inverse = self.links.try_inverse()?;
         let mut all = DMatrix::zeros(9, 9);
         for i in 0..4 {
             all[(i, 4 + i)] = 1.0;
         }
-        for j in 0..2 {
+        for other in Joint::ALL {
+            let j = other.index();
             let (k, d) = (self.stiffness[j], self.damping[j]);
             // The torque through the belt, of the states.
             let through = [(j, k), (2 + j, -k), (4 + j, d), (6 + j, -d)];
@@ -98,14 +100,14 @@ impl BeltArm {
                     all[(6 + i, column)] += inverse[(i, j)] * value;
                 }
             }
-            if j != joint {
+            if other != joint {
                 all[(4 + j, 4 + j)] -= self.shorted[j] / self.rotors[j];
             }
             for i in 0..2 {
                 all[(6 + i, 6 + j)] -= inverse[(i, j)] * self.friction[j];
             }
         }
-        all[(4 + joint, 8)] = 1.0 / self.rotors[joint];
+        all[(4 + joint.index(), 8)] = 1.0 / self.rotors[joint];
         let grown = exponential(&(all * period));
         let column = grown.view((0, 8), (8, 1)).column(0).into_owned();
         Some((grown.view((0, 0), (8, 8)).into_owned(), column))
@@ -115,7 +117,7 @@ impl BeltArm {
     fn angles(&self, log: &BeltLog<'_>, torque: &[f64]) -> Option<Vec<f64>> {
         let joint = log.joint;
         let (a, b) = self.sampled(joint, log.period)?;
-        let shown = if self.encoder_at_joint[joint] { 2 } else { 0 } + joint;
+        let shown = if self.encoder_at_joint[joint] { 2 } else { 0 } + joint.index();
         let mut x = DVector::zeros(8);
         let mut next = x.clone();
         let step = |&torque: &f64| {
@@ -139,8 +141,8 @@ impl BeltArm {
     }
 
     /// √(k (1/Jr + (Ma⁻¹)jj))/2π: with a rotor far lighter than the links, the mode in which it swings.
-    fn mode(&self, joint: usize) -> Option<f64> {
-        let links = self.links.try_inverse()?[(joint, joint)];
+    fn mode(&self, joint: Joint) -> Option<f64> {
+        let links = self.links.try_inverse()?[(joint.index(), joint.index())];
         let rate = self.stiffness[joint] * (1.0 / self.rotors[joint] + links);
         Some(rate.sqrt() / std::f64::consts::TAU)
     }

@@ -94,13 +94,11 @@ fn what_a_drive_or_the_bus_shows_stops_both_in_its_tick() {
         change(&mut sample.drives);
         sample
     };
-    let late = |joint: usize| match joint {
-        0 => sample(|it| it.age[0] = OLDEST + 1),
-        _ => sample(|it| it.age[1] = OLDEST + 1),
-    };
+    let late1 = sample(|it| it.age[0] = OLDEST + 1);
+    let late4 = sample(|it| it.age[1] = OLDEST + 1);
     for (sample, fault) in [
-        (late(0), Fault::DriveSilent),
-        (late(1), Fault::DriveSilent),
+        (late1, Fault::DriveSilent),
+        (late4, Fault::DriveSilent),
         (
             sample(|it| it.health[0] = DriveHealth::Error),
             Fault::DriveError,

@@ -69,7 +69,7 @@ fn found(joint: Joint, belts: [f64; 2], damping: [f64; 2], file: [f64; 2]) -> Op
         encoder_at_joint: [false; 2],
     };
     let log = BeltLog {
-        joint: joint.index(),
+        joint,
         period: PERIOD,
         angle: &angle,
         torque: &torque,

@@ -122,7 +122,7 @@ fn belt(bench: &mut Bench, joint: Joint, drives: &[Actuator; 2]) -> Result<Found
     let mut theta = [theta1, theta4];
     theta[joint] += middle;
     let log = BeltLog {
-        joint: joint.index(),
+        joint,
         period: 1.0 / bench.robot.control.tick_rate,
         angle: &angle,
         torque: &torque,
