@@ -64,8 +64,22 @@ proptest! {
             prop_assert!(shares.iter().flatten().all(|&share| share < 1.5), "{shares:?}");
         }
         let impacts: u32 = wear.take_statistics().iter().map(|joint| joint.impacts).sum();
-        prop_assert_eq!(impacts > 0, clearance.iter().any(|&c| c > 0.0));
+        // A pin may also turn back before it meets its bearing.
+        prop_assert!(impacts == 0 || clearance.iter().any(|&c| c > 0.0));
     }
+}
+
+#[test]
+fn pins_that_begin_in_the_middle_meet_their_bearings() {
+    let (model, mut state, mut wear) = initial(&Contact::default(), [1e-4; 5], [2.0, -3.0]);
+    for _ in 0..1000 {
+        wear.step(&model, &mut state, &FREE, TICK);
+    }
+    let statistics = wear.take_statistics();
+    assert!(
+        statistics.iter().all(|joint| joint.impacts > 0),
+        "{statistics:?}"
+    );
 }
 
 /// The greatest distance of the tool from that of an ideal arm within 50 ms. The pins have no
