@@ -70,9 +70,9 @@ emulated() {
         --test emulated_port --test production_image --test stack --test live_page
     cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
 }
-# Builds the fuzz targets and runs each over its committed inputs, which needs no optimised code.
+# Builds the fuzz targets and runs each over its committed inputs.
 fuzz() {
-    CARGO_PROFILE_RELEASE_OPT_LEVEL=0 verify/fuzz/build.sh files
+    verify/fuzz/build.sh files
     for target in verify/fuzz/fuzz_targets/*.rs; do
         verify/fuzz/run.sh "$(basename "$target" .rs)" -runs=0
     done
@@ -80,10 +80,12 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links arrows actions mistakes licences advisories setup firmware lint docs tests demo commands package peers python senders emulated_senders browser bring_up chip emulated fuzz)
+all=(format file_lengths words links arrows actions mistakes licences advisories setup firmware lint docs tests demo commands package peers python browser bring_up chip emulated fuzz senders emulated_senders)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
 # build in folders of their own, or the tests alone: the program in `target` is that of the other steps.
 beside=(chip emulated fuzz)
+# These come last and alone: programs of others that wait for the arm in real time.
+alone=(senders emulated_senders)
 
 not_checked=()
 run() {
@@ -100,11 +102,11 @@ run() {
     done
 }
 
-# Every step but those beside the others, which begin when the images are built.
+# All steps; those beside the others begin when the images are built.
 run_all() {
     local log=$built/ci-beside.log step lane
     for step in "${all[@]}"; do
-        [[ " ${beside[*]} " != *" $step "* ]] || continue
+        [[ " ${beside[*]} ${alone[*]} " != *" $step "* ]] || continue
         run "$step"
         if [ "$step" = firmware ]; then
             set -m # A process group of its own, which ends with this script.
@@ -118,6 +120,7 @@ run_all() {
     echo "==> beside: ${beside[*]}"
     wait "$lane" || { cat "$log"; exit 1; }
     cat "$log"
+    run "${alone[@]}"
 }
 
 for step in "$@"; do

@@ -10,11 +10,13 @@ of every stroke is drawn.
 
 import csv
 import math
+import os
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+import traceback
 from pathlib import Path
 
 FEED = 900  # mm/min
@@ -169,5 +171,15 @@ def grbl(program, options):
 
 
 if __name__ == "__main__":
-    printrun(sys.argv[1], sys.argv[2:])
-    grbl(sys.argv[1], sys.argv[2:])
+    status = 1
+    try:
+        printrun(sys.argv[1], sys.argv[2:])
+        grbl(sys.argv[1], sys.argv[2:])
+        status = 0
+    except SystemExit as failed:
+        print(failed)
+    except BaseException:
+        traceback.print_exc()
+    # A sender's threads would keep the process.
+    sys.stdout.flush()
+    os._exit(status)
