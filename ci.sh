@@ -80,12 +80,12 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links arrows actions mistakes licences advisories setup firmware lint docs tests demo commands package peers python browser bring_up chip emulated fuzz senders emulated_senders)
+all=(format file_lengths words links arrows actions mistakes licences advisories setup firmware lint docs tests demo commands package peers python browser emulated_senders chip emulated fuzz bring_up senders)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
 # build in folders of their own, or the tests alone: the program in `target` is that of the other steps.
 beside=(chip emulated fuzz)
-# These come last and alone: programs of others that wait for the arm in real time.
-alone=(senders emulated_senders)
+# These come last and alone: they talk with an arm that moves in real time.
+alone=(bring_up senders)
 
 not_checked=()
 run() {
