@@ -9,9 +9,10 @@
 //! joint are those with which the equations, driven by the filtered torque, come nearest to the filtered angle.
 
 use super::filter::LowPass;
+use crate::fit::{Loss, minimise};
 use crate::servo::exponential;
 use fivebar_kinematics::five_bar::Joint;
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2};
 
 /// What is known of an arm whose belt is asked for, at the pose of the log. Pairs are of joint 1 and joint 4, at the joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,8 +70,7 @@ const TRIALS: u32 = 150;
 const TRIED_RATIO: f64 = 0.05;
 /// The cut-off of the high-pass filter, per the file's mode: below the mode of the least stiffness that is tried.
 const CUTOFF: f64 = 0.12;
-/// Rounds of Levenberg's and Marquardt's method, and the difference of the logarithms for its derivatives.
-const ROUNDS: usize = 30;
+/// The difference of the logarithms for derivatives.
 const STEP: f64 = 1e-4;
 /// The greatest share of the angle's power that may stay unexplained.
 const UNEXPLAINED: f64 = 0.5;
@@ -203,32 +203,21 @@ pub fn identify_belt(arm: &BeltArm, log: &BeltLog<'_>) -> Option<FoundBelt> {
     let best = tried
         .flatten()
         .min_by(|a, b| cost(*a).total_cmp(&cost(*b)))?;
-    let mut logs = Vector2::from(best).map(f64::ln);
-    let belt = |logs: &Vector2<f64>| logs.map(f64::exp).into();
-    let mut weight = 1e-2;
-    let mut squares = cost(belt(&logs));
-    let mut spread = Matrix2::identity();
-    for _ in 0..ROUNDS {
-        let now = residuals(belt(&logs))?;
-        let slope = |i: usize| {
-            let mut beside = logs;
+    let belt = |logs: &DVector<f64>| [logs[0].exp(), logs[1].exp()];
+    let rows = |logs: &DVector<f64>| {
+        let now = residuals(belt(logs))?;
+        let mut slopes = DMatrix::zeros(now.len(), 2);
+        for i in 0..2 {
+            let mut beside = logs.clone();
             beside[i] += STEP;
-            Some((residuals(belt(&beside))? - &now) / STEP)
-        };
-        let slopes = [slope(0)?, slope(1)?];
-        let normal = Matrix2::from_fn(|i, j| slopes[i].dot(&slopes[j]));
-        let right = Vector2::from_fn(|i, _| -slopes[i].dot(&now));
-        spread = normal.try_inverse()? * (squares / inner.len() as f64);
-        let weighted = normal + Matrix2::from_diagonal(&(normal.diagonal() * weight));
-        let next = logs + weighted.try_inverse()? * right;
-        let less = cost(belt(&next));
-        if less < squares {
-            (logs, squares) = (next, less);
-            weight *= 0.2;
-        } else {
-            weight *= 5.0;
+            slopes.set_column(i, &((residuals(belt(&beside))? - &now) / STEP));
         }
-    }
+        Some((now, slopes))
+    };
+    let start = DVector::from_iterator(2, best.map(f64::ln));
+    let (logs, squares) = minimise(&start, &rows, Loss::Squares)?;
+    let (_, slopes) = rows(&logs)?;
+    let spread = slopes.tr_mul(&slopes).try_inverse()? * (squares / inner.len() as f64);
     let [stiffness, damping] = belt(&logs);
     let power: f64 = angle[inner].iter().map(|angle| angle * angle).sum();
     let found = FoundBelt {
