@@ -263,3 +263,79 @@ fn unsound_masses_are_refused_by_name() {
         Err(ModelError::RotorInertia)
     );
 }
+
+/// Towards type 2 an answer is right within what `forward_dynamics` promises, or refused; far from it there is one.
+#[test]
+fn forward_dynamics_near_type_2_is_right_or_refused() {
+    let link = |mass, length: f64| Link {
+        mass,
+        com: Vector2::new(0.5 * length, 0.0),
+        inertia: mass * length * length / 12.0,
+    };
+    let geometry = Geometry::new([0.10, 0.11, 0.11, 0.10, 0.06]).unwrap();
+    let links = [
+        link(0.05, 0.10),
+        link(0.04, 0.11),
+        link(0.04, 0.11),
+        link(0.05, 0.10),
+    ];
+    let arm = Arm::new(geometry, links, 0.03, Vector2::new(0.0, -9.81), [2e-4; 2]).unwrap();
+    let force = Vector2::new(0.3, -0.5);
+    let posed = |theta4| geometry.forward(2.5, theta4, Side::Left);
+    let (mut answered, mut refused) = (0, 0);
+    for level in 0..=70 {
+        let sine = 10.0_f64.powf(-0.1 * f64::from(level)) * 0.5;
+        // Links 2 and 3 stretch as θ4 falls.
+        let (mut open, mut apart) = (1.4, -0.6);
+        for _ in 0..200 {
+            let middle = 0.5 * (open + apart);
+            let stretched = posed(middle).map_or(0.0, |pose| pose.sin32().abs());
+            *(if stretched > sine {
+                &mut open
+            } else {
+                &mut apart
+            }) = middle;
+        }
+        let Ok(pose) = posed(open) else { continue };
+        let sine = pose.sin32().abs();
+        for (omega, alpha) in [
+            ([0.0; 2], [10.0, -3.0]),
+            ([0.0; 2], [0.0; 2]),
+            ([2.0, -1.0], [0.2, 40.0]),
+            ([-5.0, 4.0], [-8.0, 7.0]),
+        ] {
+            // The nearest poses have no velocities either.
+            let Ok(velocities) = geometry.forward_velocities(&pose, omega[0], omega[1]) else {
+                continue;
+            };
+            let Ok(accelerations) =
+                geometry.forward_accelerations(&pose, &velocities, alpha[0], alpha[1])
+            else {
+                continue;
+            };
+            let Ok(torque) = arm.inverse_dynamics(&pose, &velocities, &accelerations, force) else {
+                continue;
+            };
+            match arm.forward_dynamics(&pose, &velocities, torque, force) {
+                Ok(found) => {
+                    answered += 1;
+                    let error = (found[0] - alpha[0]).abs() + (found[1] - alpha[1]).abs();
+                    let size = found[0].abs() + found[1].abs();
+                    assert!(
+                        error <= 0.01 * size.max(1.0),
+                        "|s| = {sine:.1e}, {omega:?}: {found:?} for {alpha:?}"
+                    );
+                }
+                Err(error) => {
+                    refused += 1;
+                    assert_eq!(error, PoseError::Singular(Singularity::Parallel));
+                    assert!(sine < 1e-2, "refused at |s| = {sine:.1e}, {omega:?}");
+                }
+            }
+        }
+    }
+    assert!(
+        answered > 100 && refused > 40,
+        "{answered} answered, {refused} refused"
+    );
+}

@@ -4,7 +4,7 @@
 //! Mrs = Σj [mj vjr·vjs + Ij ωjr ωjs] + rotor inertia; h is the torque at q̈ = 0.
 
 use super::Arm;
-use crate::five_bar::{Pose, PoseError, Velocities};
+use crate::five_bar::{Pose, PoseError, Singularity, Velocities};
 use crate::{PlanarVector, Scalar};
 use nalgebra::{Matrix2, Vector2};
 
@@ -52,8 +52,13 @@ impl<S: Scalar> Arm<S> {
     /// α1, α4 [rad/s²] under the driving torques [N·m] and an external force [N] on C:
     /// q̈ = M⁻¹ (τ − h). Without friction.
     ///
+    /// Near type 2, with s = sin(θ3−θ2), M and h grow without bound and cancel. A pose is known to the rounding ε of
+    /// its sines, and with it s to ε/|s| of itself, so the answer may be off by
+    ///
+    /// ε/|s| ‖M⁻¹‖ (|τ| + |h| + ‖M‖ |q̈|).
+    ///
     /// # Errors
-    /// `Singular` at type 2.
+    /// `Singular` at type 2, and so near to it that this exceeds both 1 % of |q̈| and 0.01 rad/s².
     pub fn forward_dynamics(
         &self,
         pose: &Pose<S>,
@@ -66,7 +71,20 @@ impl<S: Scalar> Arm<S> {
             torque[0] - nonlinear_effects[0],
             torque[1] - nonlinear_effects[1],
         ];
-        Ok(solve(&self.mass_matrix(pose)?, net))
+        let mass = self.mass_matrix(pose)?;
+        let alpha = solve(&mass, net);
+
+        let norm = |[a, b]: [S; 2]| a.abs() + b.abs();
+        let trace = mass.m11 + mass.m22;
+        let per_inertia = trace / (mass.m11 * mass.m22 - mass.m12 * mass.m12);
+        let cancelling = norm(torque) + norm(nonlinear_effects) + trace * norm(alpha);
+        let error = S::EPSILON / pose.sin32().abs() * per_inertia * cancelling;
+        let hundredth = S::from_f64(0.01);
+        // Negated: with a determinant of 0 the error is no number.
+        if !(error <= hundredth * norm(alpha) || error <= hundredth) {
+            return Err(PoseError::Singular(Singularity::Parallel));
+        }
+        Ok(alpha)
     }
 
     /// The torques [N·m] that hold the arm against gravity: −Σj mj g·vjr.
