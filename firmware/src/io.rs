@@ -45,3 +45,32 @@ pub struct ArmCommand<C> {
     /// [`ToolOutputSettings`](crate::settings::ToolOutputSettings).
     pub tool: Share,
 }
+
+impl<S> ArmSample<S> {
+    /// The same sample with this of the drives.
+    #[inline(always)]
+    pub fn with_drives<T>(&self, drives: T) -> ArmSample<T> {
+        ArmSample {
+            counts: self.counts,
+            drives,
+            home: self.home,
+            index: self.index,
+            emergency_stop: self.emergency_stop,
+            driver_fault: self.driver_fault,
+            missed_ticks: self.missed_ticks,
+        }
+    }
+}
+
+impl<C> ArmCommand<C> {
+    /// The same command with this for the drives.
+    #[inline(always)]
+    pub fn with_drives<T>(&self, drives: T) -> ArmCommand<T> {
+        ArmCommand {
+            drives,
+            enable: self.enable,
+            brake: self.brake,
+            tool: self.tool,
+        }
+    }
+}

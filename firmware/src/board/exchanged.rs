@@ -1,33 +1,36 @@
 //! The controller in its place in RAM, which the tick and the session share.
 
 use super::SharedController;
-use crate::Controller;
+use crate::ArmController;
+use crate::drives::{BrushedDrives, Drives};
 use crate::safety::State;
 use crate::settings::CheckedSettings;
 use core::mem::{self, MaybeUninit};
 use rtic_core::Mutex;
 
 /// Room for a controller that lasts as long as the program.
-pub type Place = MaybeUninit<Controller>;
+pub type Place<D = BrushedDrives> = MaybeUninit<ArmController<D>>;
 
 /// The controller in use, behind its lock, and a spare one. New settings are put to use by an exchange of
 /// both: the tick does not wait while a controller is made or copied.
-pub struct Exchanged<'a, Lock> {
+pub struct Exchanged<'a, Lock, D: Drives + 'static = BrushedDrives> {
     /// The lock of the controller in use.
     pub lock: Lock,
     /// What the next settings make a controller of.
-    pub spare: &'a mut &'static mut Controller,
+    pub spare: &'a mut &'static mut ArmController<D>,
 }
 
-impl<Lock: Mutex<T = &'static mut Controller>> Mutex for Exchanged<'_, Lock> {
-    type T = Controller;
+impl<D: Drives, Lock: Mutex<T = &'static mut ArmController<D>>> Mutex for Exchanged<'_, Lock, D> {
+    type T = ArmController<D>;
 
-    fn lock<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+    fn lock<R>(&mut self, work: impl FnOnce(&mut ArmController<D>) -> R) -> R {
         self.lock.lock(|controller| work(controller))
     }
 }
 
-impl<Lock: Mutex<T = &'static mut Controller>> SharedController for Exchanged<'_, Lock> {
+impl<D: Drives, Lock: Mutex<T = &'static mut ArmController<D>>> SharedController<D>
+    for Exchanged<'_, Lock, D>
+{
     fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State> {
         self.spare.reset(settings);
         let spare = &mut *self.spare;

@@ -25,7 +25,8 @@ pub mod stack;
 #[cfg(feature = "board")]
 pub mod stm32f405;
 
-use crate::controller::Controller;
+use crate::controller::ArmController;
+use crate::drives::{BrushedDrives, Drives};
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse};
 use crate::recorder::Recorder;
 use crate::safety::State;
@@ -34,8 +35,8 @@ use crate::storage::StorageError;
 use crate::{ActuatorCommand, SensorSample, Settings};
 use rtic_core::Mutex;
 
-/// What the session needs from its board.
-pub trait Board {
+/// What the session needs from its board, whose controller is that of an arm with these drives.
+pub trait Board<D: Drives = BrushedDrives> {
     /// Stores settings for the next start. They are those in use, so they were checked.
     ///
     /// # Errors
@@ -54,7 +55,7 @@ pub trait Board {
     /// instructions, 0 where they are not counted. `None` on a board with sensors of its own.
     fn tick(
         &mut self,
-        controller: &mut Controller,
+        controller: &mut ArmController<D>,
         sample: &SensorSample,
     ) -> Option<(ActuatorCommand, u32)>;
 
@@ -68,7 +69,8 @@ pub trait Board {
         None
     }
 
-    /// The sensor sample of the last tick; `None` where samples come from the host.
+    /// The sensor sample of the last tick; `None` where samples come from the host. What the board's drives do not
+    /// sense is 0.
     fn sample(&self) -> Option<SensorSample> {
         None
     }
@@ -83,7 +85,7 @@ pub trait Board {
 }
 
 /// The controller as the session shares it with the tick.
-pub trait SharedController: Mutex<T = Controller> {
+pub trait SharedController<D: Drives = BrushedDrives>: Mutex<T = ArmController<D>> {
     /// Puts a new controller for these settings, which must be homed, in the place of a stopped one. It keeps
     /// the motors' heat.
     ///
@@ -93,7 +95,7 @@ pub trait SharedController: Mutex<T = Controller> {
 }
 
 /// A controller that is not shared.
-impl SharedController for Controller {
+impl<D: Drives> SharedController<D> for ArmController<D> {
     fn renew(&mut self, settings: &CheckedSettings) -> Result<(), State> {
         let mut new = Self::new(settings);
         self.hand_over(&mut new)?;

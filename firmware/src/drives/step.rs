@@ -11,7 +11,8 @@ use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-/// How finely a motor steps: as its driver is set, which the board knows.
+/// How finely a motor steps: as its driver is set, which the board knows. The default, 0, is that of a motor without an
+/// encoder: a turn has as many micro-steps as the axis settings have counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Resolution {
     /// Full steps in a turn of the motor.
@@ -24,6 +25,16 @@ impl Resolution {
     /// Micro-steps in a turn of the motor.
     pub(super) fn per_turn(self) -> f32 {
         f32::from(self.full_steps) * f32::from(self.microsteps)
+    }
+
+    /// A resolution with so many micro-steps in a turn, for a motor whose counts are its micro-steps: how both share them
+    /// is then of no matter. None for a number that it cannot express, an odd one above 65 535.
+    fn of_turn(microsteps: u32) -> Self {
+        let zeros = microsteps.trailing_zeros().min(15);
+        Self {
+            full_steps: u16::try_from(microsteps >> zeros).unwrap_or(0),
+            microsteps: 1 << zeros,
+        }
     }
 }
 
@@ -67,6 +78,8 @@ struct Axis {
     /// Micro-steps made until this tick.
     made: i32,
     resolution: Resolution,
+    /// The resolution of a motor whose counts are its micro-steps.
+    counted: Resolution,
     /// Micro-steps to make until the next one.
     steps: i32,
 }
@@ -104,7 +117,11 @@ impl Drives for StepDrives {
     fn sense(&mut self, sample: &StepSample) {
         let StepSample { steps, resolution } = *sample;
         for ((axis, made), resolution) in self.axes.iter_mut().zip(steps).zip(resolution) {
-            (axis.made, axis.resolution) = (made, resolution);
+            axis.made = made;
+            axis.resolution = match resolution {
+                Resolution { full_steps: 0, .. } => axis.counted,
+                told => told,
+            };
         }
     }
 
@@ -210,6 +227,7 @@ impl Axis {
             slip: Slip::new(axis.encoder_counts, tick_rate),
             made: 0,
             resolution: Resolution::default(),
+            counted: Resolution::of_turn(axis.encoder_counts),
             steps: 0,
         }
     }
@@ -305,6 +323,24 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn without_an_encoder_a_turn_has_the_micro_steps_of_the_settings() {
+        for counts in [3200, 6400, 51_200, 102_400, 768, 3210] {
+            let turn = Resolution::of_turn(counts).per_turn();
+            assert_eq!(turn, counts as f32);
+        }
+        assert_eq!(Resolution::of_turn(65_537).per_turn(), 0.0);
+        let mut settings = Settings::BENCHTOP;
+        for axis in &mut settings.axes {
+            (axis.encoder_counts, axis.gear_ratio) = (3200, 4.0);
+        }
+        let mut drives = StepDrives::new(&settings.check().expect("settings"));
+        drives.sense(&StepSample::default());
+        drives.drive(&demand(0.0, 1e-3));
+        // 1e-3 · 12800/2π = 2.04.
+        assert_eq!(drives.command().steps, [2; 2]);
     }
 
     #[test]

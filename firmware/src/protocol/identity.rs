@@ -25,8 +25,10 @@ pub enum Board {
     Desktop,
     /// An emulated Cortex-M4F whose sensors and bridges are frames.
     Emulated,
-    /// An STM32F405 that drives motors.
+    /// An STM32F405 that drives brushed motors.
     Stm32f405,
+    /// An STM32F405 that gives stepper drivers their steps.
+    Stm32f405Stepper,
 }
 
 /// Why a controller started.

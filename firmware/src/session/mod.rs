@@ -8,7 +8,8 @@ mod sampler;
 mod start;
 
 use crate::board::{Board, SharedController};
-use crate::controller::{self, Controller};
+use crate::controller::{self, ArmController};
+use crate::drives::Drives;
 use crate::planner::Planner;
 use crate::protocol::{
     BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply,
@@ -72,17 +73,17 @@ impl Session {
     }
 
     /// Executes or refuses a command. Returns the frame of the reply, if the command gets one.
-    pub fn answer(
+    pub fn answer<D: Drives>(
         &mut self,
         message: &HostMessage,
-        controller: &mut impl SharedController,
+        controller: &mut impl SharedController<D>,
         planner: &mut Planner,
-        board: &mut impl Board,
+        board: &mut impl Board<D>,
     ) -> Option<Frame> {
         let HostMessage { sequence, command } = *message;
         if !matches!(command, HostCommand::Tick(_)) {
             // Every command except `Tick`, which comes from the plant, is a sign of life of the host.
-            controller.lock(Controller::feed_host_timeout);
+            controller.lock(ArmController::feed_host_timeout);
         }
         if let HostCommand::Request(Request::EmergencyStop) = command {
             // Executed whatever its sequence number.
@@ -120,7 +121,10 @@ impl Session {
     }
 
     /// The sample of telemetry that is due, if one is. To be called when it can be sent.
-    pub fn telemetry(&mut self, controller: &mut impl Mutex<T = Controller>) -> Option<Frame> {
+    pub fn telemetry(
+        &mut self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+    ) -> Option<Frame> {
         let tick = controller.lock(|controller| controller.ticks());
         let number = self.sampler.due(tick)?;
         let sample = controller.lock(|controller| controller.status_sample());
@@ -144,12 +148,12 @@ impl Session {
         Some(frame)
     }
 
-    fn execute(
+    fn execute<D: Drives>(
         &mut self,
         command: HostCommand,
-        controller: &mut impl SharedController,
+        controller: &mut impl SharedController<D>,
         planner: &mut Planner,
-        board: &mut impl Board,
+        board: &mut impl Board<D>,
     ) -> Reply {
         let outcome = match command {
             HostCommand::Hello { .. } => {
@@ -226,10 +230,10 @@ impl Session {
         outcome.unwrap_or_else(Reply::Refused)
     }
 
-    fn request(
+    fn request<D: Drives>(
         &mut self,
         request: Request,
-        controller: &mut impl SharedController,
+        controller: &mut impl SharedController<D>,
     ) -> Result<Reply, CommandError> {
         let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
         if powers && !self.has_settings {
@@ -246,11 +250,11 @@ impl Session {
     /// Checks the draft and puts it to use in a new controller, which must be homed.
     // A call of its own: no other command takes its stack.
     #[inline(never)]
-    fn apply_settings(
+    fn apply_settings<D: Drives>(
         &mut self,
-        controller: &mut impl SharedController,
+        controller: &mut impl SharedController<D>,
         planner: &mut Planner,
-        board: &mut impl Board,
+        board: &mut impl Board<D>,
     ) -> Result<Reply, CommandError> {
         // By reference: copies of settings would take stack.
         let (true, Ok(settings)) = (fits(board, &self.draft), &self.draft.check()) else {
@@ -266,10 +270,10 @@ impl Session {
     }
 
     /// Stores the settings in use, only with the bridges off: it may stall the core for seconds.
-    fn save_settings(
+    fn save_settings<D: Drives>(
         &mut self,
-        controller: &mut impl SharedController,
-        board: &mut impl Board,
+        controller: &mut impl SharedController<D>,
+        board: &mut impl Board<D>,
     ) -> Result<Reply, CommandError> {
         match controller.lock(|controller| controller.state()) {
             State::Stopped => {}
@@ -287,7 +291,7 @@ impl Session {
 
 /// Whether the board takes these settings.
 #[inline(never)]
-fn fits(board: &impl Board, settings: &Settings) -> bool {
+fn fits<D: Drives>(board: &impl Board<D>, settings: &Settings) -> bool {
     let limits = board.limits();
     limits.is_none_or(|limits| limits.check(settings).is_ok())
 }
@@ -298,10 +302,10 @@ fn state_error(state: State) -> CommandError {
 
 /// A step of the board's test. Those that stall the core or end in a reset need the bridges off; without
 /// an emergency stop at its pin, a bare board has latched a fault.
-fn test_board(
+fn test_board<D: Drives>(
     test: BoardTest,
-    controller: &mut impl Mutex<T = Controller>,
-    board: &mut impl Board,
+    controller: &mut impl SharedController<D>,
+    board: &mut impl Board<D>,
 ) -> Result<Reply, CommandError> {
     let (tick, state, fault) = controller.lock(|controller| {
         let fault = controller.fault().map(|snapshot| snapshot.fault);

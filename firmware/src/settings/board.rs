@@ -9,7 +9,7 @@ use fivebar_kinematics::Scalar;
 pub struct BoardLimits {
     /// Its one tick rate [Hz].
     pub tick_rate: u32,
-    /// Encoder counts per second that the filters at its inputs pass.
+    /// Encoder counts per second that the filters at its inputs pass, or micro-steps per second that it makes.
     pub count_rate: u32,
     /// Greatest motor current that the bridges stand [A].
     pub current: u32,
@@ -28,6 +28,15 @@ impl BoardLimits {
         bus_voltage: 36,
         // Its counters start at 0 wherever the arm stands.
         absolute_encoders: false,
+    };
+
+    /// The STM32F405 with stepper drivers. They measure no current, and its board no voltage.
+    pub const STM32F405_STEPPER: Self = Self {
+        // 20 steps in a tick.
+        count_rate: 200_000,
+        current: u32::MAX,
+        bus_voltage: u32::MAX,
+        ..Self::STM32F405
     };
 
     /// Checks what the board must follow: the tick rate, and the encoders at the speed that is a

@@ -28,7 +28,7 @@ mod app {
     use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicBool, Ordering};
     use cortex_m::peripheral::NVIC;
-    use fivebar_firmware::board::Board as _;
+    use fivebar_firmware::board;
     use fivebar_firmware::board::exchanged::{Exchanged, Place};
     use fivebar_firmware::board::stm32f405::analog::CurrentsAndBus;
     use fivebar_firmware::board::stm32f405::clocks::{self, Source};
@@ -43,6 +43,7 @@ mod app {
     use fivebar_firmware::board::stm32f405::services::{self, BoardServices};
     use fivebar_firmware::board::stm32f405::watchdog::Tasks;
     use fivebar_firmware::board::stm32f405::{brown_out, post_mortem, pwm, serial, tool};
+    use fivebar_firmware::drives::BrushedDrives;
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::session::{self, Session, fault_at_start};
@@ -128,7 +129,7 @@ mod app {
 
         let mut storage = services::open(device.FLASH);
         let mut settings = services::benchtop();
-        let missing = services::load(&mut storage, &mut settings).err();
+        let missing = services::load::<BrushedDrives>(&mut storage, &mut settings).err();
         let settings = &settings;
         let started = Started {
             clocks,
@@ -137,7 +138,7 @@ mod app {
         };
         let mut services = BoardServices::start(storage, device.IWDG, tool_timer, started);
         if missing.is_none() {
-            services.use_settings(settings);
+            board::Board::<BrushedDrives>::use_settings(&mut services, settings);
         }
         let crystal_runs = source == Source::Crystal;
         CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);

@@ -12,7 +12,8 @@
 //! so nothing here calls it.
 
 use super::cycles::TickTimes;
-use crate::Controller;
+use crate::ArmController;
+use crate::drives::Drives;
 use crate::safety::{Fault, State};
 use rtic_core::Mutex;
 
@@ -38,7 +39,11 @@ impl EventLog {
     }
 
     /// Logs what has changed since the last call.
-    pub fn update(&mut self, controller: &mut impl Mutex<T = Controller>, times: &TickTimes) {
+    pub fn update(
+        &mut self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        times: &TickTimes,
+    ) {
         let (tick, state, latched) = controller.lock(|controller| {
             let latched = controller
                 .fault()

@@ -20,6 +20,7 @@ pub mod self_test;
 pub mod sensors;
 pub mod serial;
 pub mod services;
+pub mod stepper;
 pub mod storage;
 pub mod tool;
 pub mod watchdog;

@@ -9,11 +9,12 @@ use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
 use crate::board::Board;
 use crate::board::stack;
+use crate::drives::{BrushedDrives, Drives, StepDrives};
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan};
 use crate::recorder::{LogControl, LogWords, Recorder};
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
-use crate::{ActuatorCommand, Controller, SensorSample, Settings};
+use crate::{ActuatorCommand, ArmController, SensorSample, Settings};
 use stm32f4xx_hal::pac::{FLASH, IWDG};
 
 static LOG: LogControl = LogControl::new();
@@ -27,6 +28,20 @@ static LOG_WORDS: LogWords = LogWords::new();
 #[inline(always)]
 pub fn recorder() -> Recorder<'static> {
     Recorder::new(&LOG, &LOG_WORDS)
+}
+
+/// Drives that this board has an image for.
+pub trait OnBoard: Drives {
+    /// The board's bounds with them.
+    const LIMITS: BoardLimits;
+}
+
+impl OnBoard for BrushedDrives {
+    const LIMITS: BoardLimits = BoardLimits::STM32F405;
+}
+
+impl OnBoard for StepDrives {
+    const LIMITS: BoardLimits = BoardLimits::STM32F405_STEPPER;
 }
 
 /// The settings' storage, and the watchdog, whose timeout is longer while settings are written.
@@ -75,12 +90,12 @@ pub fn open(flash: FLASH) -> Option<Storage> {
 /// Why it cannot.
 // A call of its own, as those that make the controllers: none takes the other's stack.
 #[inline(never)]
-pub fn load(
+pub fn load<D: OnBoard>(
     storage: &mut Option<Storage>,
     settings: &mut CheckedSettings,
 ) -> Result<(), StorageError> {
     let storage = storage.as_mut().ok_or(StorageError::Range)?;
-    check(&storage.load()?, settings)
+    check::<D>(&storage.load()?, settings)
 }
 
 /// The settings of a board on which none were stored.
@@ -94,14 +109,17 @@ pub fn benchtop() -> CheckedSettings {
 
 /// Checks stored settings, within this board's bounds, and puts them in the place of those in use.
 #[inline(never)]
-fn check(stored: &Settings, settings: &mut CheckedSettings) -> Result<(), StorageError> {
-    let bounded = BoardLimits::STM32F405.check(stored);
+fn check<D: OnBoard>(
+    stored: &Settings,
+    settings: &mut CheckedSettings,
+) -> Result<(), StorageError> {
+    let bounded = D::LIMITS.check(stored);
     let checked = bounded.and_then(|()| stored.check());
     *settings = checked.map_err(|_| StorageError::Corrupt)?;
     Ok(())
 }
 
-impl Board for BoardServices {
+impl<D: OnBoard> Board<D> for BoardServices {
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
         let storage = self.storage.as_mut().ok_or(StorageError::Range)?;
         self.watchdog.with_erase_timeout(|| storage.save(settings))
@@ -112,10 +130,14 @@ impl Board for BoardServices {
     }
 
     fn limits(&self) -> Option<BoardLimits> {
-        Some(BoardLimits::STM32F405)
+        Some(D::LIMITS)
     }
 
-    fn tick(&mut self, _: &mut Controller, _: &SensorSample) -> Option<(ActuatorCommand, u32)> {
+    fn tick(
+        &mut self,
+        _: &mut ArmController<D>,
+        _: &SensorSample,
+    ) -> Option<(ActuatorCommand, u32)> {
         None
     }
 

@@ -1,0 +1,73 @@
+//! The outputs of an actuator command for stepper drivers: pulses, directions and enables, the brake and the tool.
+
+use super::pins::OutputPins;
+use super::timers::StepTimers;
+use crate::ArmCommand;
+use crate::board::stm32f405::tool::ToolChannel;
+use crate::drivers::steps::StepAxis;
+use crate::drives::StepCommand;
+use stm32f4xx_hal::gpio::{Output, PA9, PB14, PB15, PC6, PC9};
+use stm32f4xx_hal::pac::{RCC, TIM1, TIM4, TIM8};
+
+/// The outputs.
+pub struct Outputs {
+    /// The timers of the pulses.
+    pub timers: StepTimers,
+    axes: [StepAxis; 2],
+    direction1: PA9<Output>,
+    direction4: PC9<Output>,
+    enable1: PB14<Output>,
+    enable4: PB15<Output>,
+    brake: PC6<Output>,
+    tool: ToolChannel,
+}
+
+impl Outputs {
+    /// The outputs: no pulses, motors without power, brake engaged.
+    pub fn new(
+        (timer1, timer4, ticks): (TIM1, TIM8, &TIM4),
+        pins: OutputPins,
+        tool: ToolChannel,
+        rcc: &mut RCC,
+    ) -> Self {
+        Self {
+            timers: StepTimers::new(timer1, timer4, ticks, pins.timers, rcc),
+            axes: Default::default(),
+            direction1: pins.direction1,
+            direction4: pins.direction4,
+            enable1: pins.enable1,
+            enable4: pins.enable4,
+            brake: pins.brake,
+            tool,
+        }
+    }
+
+    /// The micro-steps that are made at the end of the tick that has begun, `missed` ticks after the last one.
+    #[inline]
+    pub fn steps(&mut self, missed: u32) -> [i32; 2] {
+        let [taken1, taken4] = self.timers.taken();
+        let [axis1, axis4] = &mut self.axes;
+        [axis1.begin(taken1, missed), axis4.begin(taken4, missed)]
+    }
+
+    /// Applies an actuator command: pulses from the next tick on, the rest at once.
+    #[inline]
+    pub fn apply(&mut self, command: &ArmCommand<StepCommand>) {
+        let [enable1, enable4] = command.enable;
+        let [axis1, axis4] = &mut self.axes;
+        let [steps1, steps4] = command.drives.steps;
+        let pulses = [
+            axis1.prepare(if enable1 { steps1 } else { 0 }),
+            axis4.prepare(if enable4 { steps4 } else { 0 }),
+        ];
+        // A pin of this chip cannot fail to be written.
+        let _ = self.direction1.set_state(axis1.forwards().into());
+        let _ = self.direction4.set_state(axis4.forwards().into());
+        let _ = self.enable1.set_state((!enable1).into());
+        let _ = self.enable4.set_state((!enable4).into());
+        self.timers.power(enable1 || enable4);
+        self.timers.prepare(pulses);
+        let _ = self.brake.set_state((!command.brake).into());
+        self.tool.set(command.tool);
+    }
+}
