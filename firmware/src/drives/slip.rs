@@ -112,7 +112,8 @@ impl Slip {
             return None;
         }
         let leads = self.leads * full_step;
-        self.led += (self.offset - self.led).clamp(-leads, leads);
+        // `clamp` could panic.
+        self.led += (self.offset - self.led).max(-leads).min(leads);
         let most = MOST * full_step;
         // Also if it is not a number.
         let follows = ahead >= -most && ahead <= most;

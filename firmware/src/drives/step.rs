@@ -260,7 +260,8 @@ impl Axis {
 fn whole(steps: f32, most: i32) -> (i32, bool) {
     // `as` saturates, and cuts towards 0.
     let rounded = (steps + if steps < 0.0 { -0.5 } else { 0.5 }) as i32;
-    let limited = rounded.clamp(-most, most);
+    // `clamp` could panic.
+    let limited = rounded.max(-most).min(most);
     (limited, limited != rounded)
 }
 

@@ -343,7 +343,12 @@ fn command_error() -> impl Strategy<Value = CommandError> {
 /// Any message of a controller.
 pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
     let identity = (
-        prop::sample::select(vec![Board::Desktop, Board::Emulated, Board::Stm32f405]),
+        prop::sample::select(vec![
+            Board::Desktop,
+            Board::Emulated,
+            Board::Stm32f405,
+            Board::Stm32f405Stepper,
+        ]),
         prop::sample::select(vec![
             Reset::Power,
             Reset::Software,

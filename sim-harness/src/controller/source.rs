@@ -47,6 +47,12 @@ pub enum OpenError {
     /// The emulated board refuses the robot's settings.
     #[error("the emulated board refuses the robot's settings: {0}")]
     Refused(CommandError),
+    /// The controller is for steppers.
+    #[error(
+        "the controller is for steppers and the robot has brushed motors; \
+         write the image `stm32f405` to the board"
+    )]
+    ForSteppers,
     /// The controller does not reply.
     #[error(transparent)]
     Link(#[from] LinkError),
@@ -83,6 +89,7 @@ pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, Str
                 Some(SteppedArm::new(robot)?),
             )
         }
+        Board::Stm32f405Stepper => return Err(OpenError::ForSteppers),
         Board::Desktop | Board::Stm32f405 => {
             let mut drive = Drive::new(&mut client, &|| false);
             match source {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::report::{Row, read};
-use crate::response::{self, STACK_BUDGET, budget};
+use crate::response::{self, BRUSHED, STACK_BUDGET};
 
 /// What encloses the table in the document.
 const BEGIN: &str = "<!-- printed by fivebar-bounds document -->\n";
@@ -34,8 +34,8 @@ pub fn table(bounds: &str, chip: &str, instructions: &str) -> Option<String> {
     let (_, rows) = read(bounds);
     let row = |name: &str| -> Option<&Row> { rows.iter().find(|row| row.name == name) };
     let [tick, ..] = row("tick: tick::__cortex_m_rt_main")?.longest?;
-    let of = |name: &str| row(&response::labelled(name))?.longest;
-    let [interrupt, ..] = of(response::TICK)?;
+    let of = |name: &str| row(&BRUSHED.labelled(name))?.longest;
+    let [interrupt, ..] = of(BRUSHED.tick)?;
     let counted = instructions.lines().filter(|line| line.contains("tick"));
     let most_tick = counted
         .filter_map(|line| line.split_whitespace().last()?.parse().ok())
@@ -43,7 +43,7 @@ pub fn table(bounds: &str, chip: &str, instructions: &str) -> Option<String> {
     let most_interrupt = figure(chip, "tick, most [instructions]:")?;
     let most_stack = figure(chip, "stack, most [bytes]:")?;
     let [stack, space] = ["all nested", "space"].map(|name| {
-        let stack = row(&response::labelled(name)).and_then(|row| row.stack);
+        let stack = row(&BRUSHED.labelled(name)).and_then(|row| row.stack);
         stack.map(u64::from)
     });
 
@@ -91,23 +91,23 @@ pub fn table(bounds: &str, chip: &str, instructions: &str) -> Option<String> {
             response::BEFORE,
         ),
         ("longest blocking by what runs below", response::BLOCKING),
-        ("the tick's interrupt", response::TICK),
+        ("the tick's interrupt", BRUSHED.tick),
         ("response, the sum", response::RESPONSE),
     ] {
         let [_, never, code, all] = of(name)?.map(grouped);
         let _ = writeln!(
             text,
             "| {what} | {never} | {code} | {all} | {} |",
-            grouped(budget(name)?)
+            grouped(BRUSHED.budget(name)?)
         );
     }
-    let [_, _, code, _] = of(response::TICK)?;
-    let free = budget(response::TICK)?.saturating_sub(code);
+    let [_, _, code, _] = of(BRUSHED.tick)?;
+    let free = BRUSHED.budget(BRUSHED.tick)?.saturating_sub(code);
     let _ = writeln!(
         text,
         "\nFree in the interrupt, with all of today's work on: {} cycles of {}.",
         grouped(free),
-        grouped(budget(response::TICK)?)
+        grouped(BRUSHED.budget(BRUSHED.tick)?)
     );
     Some(text)
 }

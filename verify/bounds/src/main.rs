@@ -75,11 +75,11 @@ fn print(folder: &Path) -> Result<String, String> {
         mut rows,
         mut defects,
     } = report::of_function("tick", &tick, &stated, "tick::__cortex_m_rt_main")?;
-    for name in ["stm32f405", "qemu"] {
+    for name in ["stm32f405", "stm32f405_stepper", "qemu"] {
         let image = image(&folder.join(name))?;
         let mut report = report::of_handlers(name, &image, &stated)?;
-        if name == response::LABEL {
-            response::add(&image, &stated, &mut report)?;
+        if let Some(driving) = response::IMAGES.iter().find(|it| it.label == name) {
+            response::add(driving, &image, &stated, &mut report)?;
         }
         rows.extend(report.rows);
         defects.extend(report.defects);

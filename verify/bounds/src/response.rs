@@ -1,7 +1,7 @@
-//! The response of the tick in the image that drives an arm: from the converter's trigger to the
-//! end of the interrupt.
+//! The response of the tick in the images that drive an arm: from the timer's update that starts it to the end of the
+//! interrupt.
 //!
-//! The interrupt begins when the conversion has ended and no code of lower priority masks it. An
+//! The interrupt begins when no code of lower priority masks it, and with brushed motors when the conversion has ended. An
 //! interrupt of higher priority can come before it or in it.
 
 use crate::image::Image;
@@ -10,29 +10,45 @@ use crate::report::{Report, Row};
 use crate::stated::Stated;
 use crate::timing::MEASURES;
 
-/// The image.
-pub const LABEL: &str = "stm32f405";
-/// The interrupt of the tick.
-pub const TICK: &str = "ADC";
-/// What runs below it while it does: the idle task, and the interrupt of the serial line. The start
-/// is before the first tick.
-const BELOW: [&str; 2] = ["stm32f405::app::converse", "USART1"];
-/// What interrupts it: the break input, and a failure of the clock. `SysTick` is not among them: it raises
-/// the tick where there is no crystal, and then the converter does not.
-const ABOVE: [&str; 2] = ["TIM1_BRK_TIM9", "NonMaskableInt"];
+/// An image with a tick of its own.
+pub struct Driving {
+    /// Its name.
+    pub label: &'static str,
+    /// The interrupt of the tick.
+    pub tick: &'static str,
+    /// What interrupts it: the break inputs, and a failure of the clock.
+    above: &'static [&'static str],
+    /// Cycles from the update to the interrupt.
+    conversion: u64,
+}
+
+/// The image for brushed motors. `SysTick` is not above its tick: it raises the tick where there is no crystal, and then
+/// the converter does not.
+pub const BRUSHED: Driving = Driving {
+    label: "stm32f405",
+    tick: "ADC",
+    above: &["TIM1_BRK_TIM9", "NonMaskableInt"],
+    conversion: CONVERSION,
+};
+/// The image for steppers: the update itself raises the interrupt.
+pub const STEPPER: Driving = Driving {
+    label: "stm32f405_stepper",
+    tick: "TIM4",
+    above: &["TIM1_BRK_TIM9", "TIM8_BRK_TIM12", "NonMaskableInt"],
+    conversion: 0,
+};
+/// The images.
+pub const IMAGES: [Driving; 2] = [BRUSHED, STEPPER];
 /// Cycles from the trigger to the interrupt: 70 of the converter's clock, which is an eighth of the core's
 /// (3 to begin, 40 for a current and 27 for the bus voltage, `firmware/src/board/stm32f405/analog.rs`).
 const CONVERSION: u64 = 8 * (3 + 28 + 12 + 15 + 12);
 
 /// Cycles of a period: 168 MHz over 10 kHz.
 pub const PERIOD: u64 = 16_800;
-/// Cycles that each part may take where the code waits for the flash and RAM does not.
-const BUDGETS: [(&str, u64); 4] = [
-    (TICK, 10_080),
-    (BLOCKING, 840),
-    (BEFORE, 840),
-    (RESPONSE, PERIOD),
-];
+/// Cycles that the interrupt may take where the code waits for the flash and RAM does not.
+const TICK_BUDGET: u64 = 10_080;
+/// Cycles that the other parts may take there.
+const BUDGETS: [(&str, u64); 3] = [(BLOCKING, 840), (BEFORE, 840), (RESPONSE, PERIOD)];
 
 /// The row of the longest critical section below the tick.
 pub const BLOCKING: &str = "longest blocking";
@@ -45,10 +61,18 @@ pub const RESPONSE: &str = "response";
 ///
 /// # Errors
 /// If a function of the response is not in the image.
-pub fn add(image: &Image, stated: &Stated, report: &mut Report) -> Result<(), String> {
+pub fn add(
+    driving: &Driving,
+    image: &Image,
+    stated: &Stated,
+    report: &mut Report,
+) -> Result<(), String> {
+    // What runs below the tick while it does: the idle task, and the interrupt of the serial line. The start is before the
+    // first tick.
+    let main = format!("{}::app::converse", driving.label);
     let mut program = Program::new(image, stated);
     let mut blocking = [0; MEASURES];
-    for name in BELOW {
+    for name in [main.as_str(), "USART1"] {
         let function = image.named(name).ok_or_else(|| format!("no {name}"))?;
         let (sections, defects) = program.sections(function.address);
         for section in sections {
@@ -59,19 +83,22 @@ pub fn add(image: &Image, stated: &Stated, report: &mut Report) -> Result<(), St
         report.defects.extend(defects);
     }
     let of = |name: &str| {
-        let row = report.rows.iter().find(|row| row.name == labelled(name));
+        let row = report
+            .rows
+            .iter()
+            .find(|row| row.name == driving.labelled(name));
         row.and_then(|row| row.longest)
             .ok_or_else(|| format!("no {name}"))
     };
-    let [_, cycles @ ..] = [CONVERSION; MEASURES];
+    let [_, cycles @ ..] = [driving.conversion; MEASURES];
     let mut before = [0, cycles[0], cycles[1], cycles[2]];
-    for name in ABOVE {
+    for name in driving.above {
         before = sum(before, of(name)?);
     }
-    let response = sum(sum(before, blocking), of(TICK)?);
+    let response = sum(sum(before, blocking), of(driving.tick)?);
     for (name, longest) in [(BLOCKING, blocking), (BEFORE, before), (RESPONSE, response)] {
         report.rows.push(Row {
-            name: labelled(name),
+            name: driving.labelled(name),
             longest: Some(longest),
             stack: None,
         });
@@ -81,9 +108,45 @@ pub fn add(image: &Image, stated: &Stated, report: &mut Report) -> Result<(), St
     Ok(())
 }
 
-/// The name of a row.
-pub fn labelled(name: &str) -> String {
-    format!("{LABEL}: {name}")
+impl Driving {
+    /// The name of a row.
+    pub fn labelled(&self, name: &str) -> String {
+        format!("{}: {name}", self.label)
+    }
+
+    /// The budget of a row [cycles where the code waits].
+    pub fn budget(&self, name: &str) -> Option<u64> {
+        if name == self.tick {
+            return Some(TICK_BUDGET);
+        }
+        let (_, budget) = BUDGETS.iter().find(|(of, _)| *of == name)?;
+        Some(*budget)
+    }
+
+    /// The rows whose figures are above their budgets.
+    fn over_budget(&self, rows: &[Row]) -> Vec<String> {
+        let parts = BUDGETS.iter().map(|(name, _)| *name);
+        let over = |part: &str| {
+            let (name, budget) = (self.labelled(part), self.budget(part)?);
+            let row = rows.iter().find(|row| row.name == name)?;
+            let [_, _, code_waits, _] = row.longest?;
+            (code_waits > budget).then(|| {
+                format!("{name}: {code_waits} cycles where the code waits, of at most {budget}")
+            })
+        };
+        let name = self.labelled("all nested");
+        let stack = rows.iter().find(|row| row.name == name);
+        let stack = stack
+            .and_then(|row| row.stack)
+            .filter(|stack| *stack > STACK_BUDGET);
+        let stack =
+            stack.map(|stack| format!("{name}: {stack} bytes of stack, of at most {STACK_BUDGET}"));
+        std::iter::once(self.tick)
+            .chain(parts)
+            .filter_map(over)
+            .chain(stack)
+            .collect()
+    }
 }
 
 fn sum(mut one: [u64; MEASURES], other: [u64; MEASURES]) -> [u64; MEASURES] {
@@ -96,28 +159,10 @@ fn sum(mut one: [u64; MEASURES], other: [u64; MEASURES]) -> [u64; MEASURES] {
 /// The most that the stack may take, every interrupt within another one [bytes].
 pub const STACK_BUDGET: u32 = 12 * 1024;
 
-/// The budget of a row [cycles where the code waits].
-pub fn budget(name: &str) -> Option<u64> {
-    let (_, budget) = BUDGETS.iter().find(|(of, _)| *of == name)?;
-    Some(*budget)
-}
-
-/// The rows whose figures are above their budgets.
+/// The rows of both images whose figures are above their budgets.
 pub fn over_budget(rows: &[Row]) -> Vec<String> {
-    let over = |(name, budget): &(&str, u64)| {
-        let name = labelled(name);
-        let row = rows.iter().find(|row| row.name == name)?;
-        let [_, _, code_waits, _] = row.longest?;
-        (code_waits > *budget).then(|| {
-            format!("{name}: {code_waits} cycles where the code waits, of at most {budget}")
-        })
-    };
-    let name = labelled("all nested");
-    let stack = rows.iter().find(|row| row.name == name);
-    let stack = stack
-        .and_then(|row| row.stack)
-        .filter(|stack| *stack > STACK_BUDGET);
-    let stack =
-        stack.map(|stack| format!("{name}: {stack} bytes of stack, of at most {STACK_BUDGET}"));
-    BUDGETS.iter().filter_map(over).chain(stack).collect()
+    IMAGES
+        .iter()
+        .flat_map(|image| image.over_budget(rows))
+        .collect()
 }

@@ -9,6 +9,7 @@ use crate::peripherals::encoder_timer::EncoderTimer;
 use crate::peripherals::flash::Operation;
 use crate::peripherals::pulse_timer::PulseTimer;
 use crate::peripherals::pwm_timer::PwmTimer;
+use crate::peripherals::tick_timer::TickTimer;
 use crate::violation::{Access, refuse};
 
 /// Offset of a timer's counter.
@@ -61,7 +62,9 @@ impl Mcu {
             Unit::Rcc => self.rcc.read(offset),
             Unit::Flash => self.flash.read(offset),
             Unit::Tim1 => self.tim1.read(offset, self.now),
+            Unit::Pulse if self.has_steppers() => self.tim8.read(offset, self.now),
             Unit::Pulse => self.pulse.read(offset),
+            Unit::Ticks => self.ticks.read(offset, self.now),
             Unit::Encoder(joint) => {
                 self.follow_encoder(joint, self.now);
                 if offset == COUNTER {
@@ -113,6 +116,11 @@ impl Mcu {
                 }
                 Ok(())
             }
+            Unit::Pulse if self.has_steppers() => {
+                self.tim8.write(offset, value, self.now)?;
+                Ok(())
+            }
+            Unit::Ticks => self.ticks.write(offset, value, self.now),
             Unit::Pulse => {
                 let clock = self.pulse_clock();
                 self.pulse.write(offset, value, self.now, clock)
@@ -154,6 +162,10 @@ impl Mcu {
         }
         if self.rcc.in_reset(4) >> 1 & 1 != 0 {
             self.pulse = PulseTimer::new();
+            self.tim8.reset();
+        }
+        if self.rcc.in_reset(3) >> 2 & 1 != 0 {
+            self.ticks = TickTimer::new(self.core * self.rcc.timer_cycles(0));
         }
         if self.rcc.in_reset(4) >> 18 & 1 != 0 {
             self.capture = CaptureTimer::new();

@@ -12,6 +12,8 @@ pub(crate) enum Unit {
     Tim1,
     /// TIM8.
     Pulse,
+    /// TIM4.
+    Ticks,
     /// TIM5 of joint 1, TIM2 of joint 4.
     Encoder(Joint),
     Adc,
@@ -33,7 +35,7 @@ pub(crate) enum Unit {
 type Gate = Option<(usize, u32)>;
 
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
-const MAP: [(u32, u32, Unit, Gate); 16] = [
+const MAP: [(u32, u32, Unit, Gate); 17] = [
     (
         0x4000_0000,
         0x400,
@@ -41,6 +43,7 @@ const MAP: [(u32, u32, Unit, Gate); 16] = [
         Some((3, 0)),
     ),
     (0x4000_0400, 0x400, Unit::Tool, Some((3, 1))),
+    (0x4000_0800, 0x400, Unit::Ticks, Some((3, 2))),
     (
         0x4000_0c00,
         0x400,

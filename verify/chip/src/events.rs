@@ -20,6 +20,8 @@ impl Mcu {
             .due()
             .min(self.tim1.due())
             .min(self.pulse.due())
+            .min(self.tim8.due())
+            .min(self.ticks.due())
             .min(self.tool.due())
             .min(self.adc.due())
             .min(self.usart.due())
@@ -48,6 +50,13 @@ impl Mcu {
         if self.rcc.due() <= at {
             self.rcc.advance(at);
             self.follow_clocks(at);
+        }
+        if self.ticks.due() <= at && self.ticks.advance() {
+            self.tim1.restart(at);
+            self.tim8.restart(at);
+        }
+        if self.tim8.due() <= at {
+            self.tim8.advance(at);
         }
         if self.tim1.due() <= at {
             let events = self.tim1.advance(at);
@@ -194,8 +203,10 @@ impl Mcu {
     pub(crate) fn settle(&mut self, at: Time) {
         let stop = self.is_alternate(1, 12, 1) && self.level(at, Pin(1, 12));
         self.tim1.set_break(stop, self.rcc.nmi());
+        let stop = self.is_alternate(0, 6, 3) && self.level(at, Pin(0, 6));
+        self.tim8.set_break(stop, self.rcc.nmi());
         self.serve_dma(at);
-        let outputs = self.drives();
+        let outputs = self.drives(at);
         if outputs != self.outputs {
             self.outputs = outputs;
             self.wiring.drive(at, &outputs);
@@ -206,7 +217,9 @@ impl Mcu {
             (18, self.adc.interrupt()),
             (24, self.tim1.break_interrupt()),
             (25, self.tim1.update_interrupt()),
+            (30, self.ticks.interrupt()),
             (37, self.usart.interrupt()),
+            (43, self.tim8.break_interrupt()),
             (58, self.dma.interrupt(2)),
             (68, self.dma.interrupt(5)),
             (70, self.dma.interrupt(7)),
@@ -220,7 +233,12 @@ impl Mcu {
         self.due = self.next_due();
     }
 
-    fn drives(&self) -> Outputs {
+    fn drives(&self, at: Time) -> Outputs {
+        // PA8 from TIM1's channel 1, PC8 from TIM8's channel 3.
+        let steps = [
+            self.is_alternate(0, 8, 1).then(|| self.tim1.level(0, at)),
+            self.is_alternate(2, 8, 3).then(|| self.tim8.level(2, at)),
+        ];
         let channel = |channel: usize| match self.is_alternate(0, 8 + channel as u8, 1) {
             true => self.tim1.output(channel),
             false => Output::Released,
@@ -228,6 +246,11 @@ impl Mcu {
         Outputs {
             pwm: [0, 1, 2, 3].map(channel),
             sleep: [14, 15].map(|pin| self.ports[1].driven(pin)),
+            steps: match self.has_steppers() {
+                true => steps.map(Option::flatten),
+                false => [None; 2],
+            },
+            direction: [self.ports[0].driven(9), self.ports[2].driven(9)],
             brake: self.ports[2].driven(6),
             tool: match self.is_alternate(2, 7, 2) {
                 true => self.tool.pulses(1),

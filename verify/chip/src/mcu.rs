@@ -13,6 +13,7 @@ use crate::peripherals::pulse_timer::PulseTimer;
 use crate::peripherals::pwm_timer::PwmTimer;
 use crate::peripherals::rcc::Rcc;
 use crate::peripherals::reset_cause::ResetCause;
+use crate::peripherals::tick_timer::TickTimer;
 use crate::peripherals::tim1::Tim1;
 use crate::peripherals::usart::Usart;
 use crate::pwr::Pwr;
@@ -38,6 +39,8 @@ pub struct Options {
     pub lsi: f64,
     /// Symbols per second that the host sends and receives.
     pub host_baud: u64,
+    /// Whether TIM8 makes the pulses of a stepper; otherwise it makes one pulse for each tick.
+    pub steppers: bool,
     /// What is wrong with the chip, if something is.
     pub defect: Option<Defect>,
 }
@@ -50,6 +53,7 @@ impl Default for Options {
             hsi: 16e6,
             lsi: 32e3,
             host_baud: 1_000_000,
+            steppers: false,
             defect: None,
         }
     }
@@ -66,8 +70,12 @@ pub(crate) struct Mcu {
     pub(crate) rcc: Rcc,
     pub(crate) flash: Flash,
     pub(crate) tim1: Tim1,
-    /// TIM8.
+    /// TIM8 with brushed motors.
     pub(crate) pulse: PulseTimer,
+    /// TIM8 with steppers.
+    pub(crate) tim8: Tim1,
+    /// TIM4.
+    pub(crate) ticks: TickTimer,
     pub(crate) encoders: [EncoderTimer; 2],
     /// TIM3.
     pub(crate) tool: PwmTimer,
@@ -115,6 +123,8 @@ impl Mcu {
             flash: Flash::with_defect(sectors, options.defect),
             tim1: Tim1::new(core),
             pulse: PulseTimer::new(),
+            tim8: Tim1::tim8(core),
+            ticks: TickTimer::new(core),
             encoders: [EncoderTimer::new(), EncoderTimer::new()],
             tool: PwmTimer::new(core),
             capture: CaptureTimer::new(),
@@ -150,6 +160,8 @@ impl Mcu {
         self.flash.reset();
         self.tim1.reset();
         self.pulse = PulseTimer::new();
+        self.tim8.reset();
+        self.ticks = TickTimer::new(self.core);
         self.encoders = [EncoderTimer::new(), EncoderTimer::new()];
         self.tool = PwmTimer::new(self.core);
         self.capture = CaptureTimer::new();
@@ -196,6 +208,10 @@ impl Mcu {
         };
         self.tim1
             .set_clock(self.core * self.rcc.timer_cycles(1), at);
+        self.tim8
+            .set_clock(self.core * self.rcc.timer_cycles(1), at);
+        self.ticks
+            .set_clock(self.core * self.rcc.timer_cycles(0), at);
         self.tool
             .set_clock(self.core * self.rcc.timer_cycles(0), at);
         self.usart.set_clock(self.bus_period(1));
@@ -206,6 +222,11 @@ impl Mcu {
 
     pub(crate) fn bus_period(&self, bus: usize) -> Time {
         self.core * self.rcc.bus_cycles(bus)
+    }
+
+    /// Whether TIM8 makes the pulses of a stepper.
+    pub(crate) fn has_steppers(&self) -> bool {
+        self.options.steppers
     }
 
     pub(crate) fn pulse_clock(&self) -> Time {

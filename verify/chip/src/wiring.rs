@@ -12,8 +12,12 @@ use fivebar_kinematics::five_bar::Joint;
 pub struct Outputs {
     /// TIM1's channels on PA8 to PA11.
     pub pwm: [Output; 4],
-    /// PB14 and PB15: the bridges' sleep inputs; none where the chip does not drive the pin.
+    /// PB14 and PB15: the bridges' sleep inputs, or the steppers' enables; none where the chip does not drive the pin.
     pub sleep: [Option<bool>; 2],
+    /// PA8 and PC8: the steps of motors 1 and 4, where steppers are simulated.
+    pub steps: [Option<bool>; 2],
+    /// PA9 and PC9: their directions.
+    pub direction: [Option<bool>; 2],
     /// PC6: releases the brake.
     pub brake: Option<bool>,
     /// PC7: the tool.
@@ -25,6 +29,8 @@ impl Outputs {
     pub const RELEASED: Self = Self {
         pwm: [Output::Released; 4],
         sleep: [None; 2],
+        steps: [None; 2],
+        direction: [None; 2],
         brake: None,
         tool: Pulses::Released,
     };

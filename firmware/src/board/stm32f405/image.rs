@@ -47,6 +47,7 @@ mod app {
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::session::{self, Session, fault_at_start};
+    use fivebar_firmware::settings::BoardLimits;
     use fivebar_firmware::{Controller, Request, SensorSample};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::pac::Interrupt;
@@ -129,7 +130,7 @@ mod app {
 
         let mut storage = services::open(device.FLASH);
         let mut settings = services::benchtop();
-        let missing = services::load::<BrushedDrives>(&mut storage, &mut settings).err();
+        let missing = services::load(&mut storage, &BoardLimits::STM32F405, &mut settings).err();
         let settings = &settings;
         let started = Started {
             clocks,

@@ -84,18 +84,19 @@ pub fn open(flash: FLASH) -> Option<Storage> {
     SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE).ok()
 }
 
-/// Puts the stored settings in the place of these, if this board can use them.
+/// Puts the stored settings in the place of these, if they are within the board's bounds.
 ///
 /// # Errors
 /// Why it cannot.
 // A call of its own, as those that make the controllers: none takes the other's stack.
 #[inline(never)]
-pub fn load<D: OnBoard>(
+pub fn load(
     storage: &mut Option<Storage>,
+    limits: &BoardLimits,
     settings: &mut CheckedSettings,
 ) -> Result<(), StorageError> {
     let storage = storage.as_mut().ok_or(StorageError::Range)?;
-    check::<D>(&storage.load()?, settings)
+    check(&storage.load()?, limits, settings)
 }
 
 /// The settings of a board on which none were stored.
@@ -109,20 +110,21 @@ pub fn benchtop() -> CheckedSettings {
 
 /// Checks stored settings, within this board's bounds, and puts them in the place of those in use.
 #[inline(never)]
-fn check<D: OnBoard>(
+fn check(
     stored: &Settings,
+    limits: &BoardLimits,
     settings: &mut CheckedSettings,
 ) -> Result<(), StorageError> {
-    let bounded = D::LIMITS.check(stored);
+    let bounded = limits.check(stored);
     let checked = bounded.and_then(|()| stored.check());
     *settings = checked.map_err(|_| StorageError::Corrupt)?;
     Ok(())
 }
 
+// What any drives need is compiled once, below.
 impl<D: OnBoard> Board<D> for BoardServices {
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
-        let storage = self.storage.as_mut().ok_or(StorageError::Range)?;
-        self.watchdog.with_erase_timeout(|| storage.save(settings))
+        self.store(settings)
     }
 
     fn use_settings(&mut self, settings: &CheckedSettings) {
@@ -154,6 +156,17 @@ impl<D: OnBoard> Board<D> for BoardServices {
     }
 
     fn test(&mut self, test: BoardTest, tick: u32) -> Result<Option<BoardReport>, CommandError> {
+        self.measure(test, tick)
+    }
+}
+
+impl BoardServices {
+    fn store(&mut self, settings: &Settings) -> Result<(), StorageError> {
+        let storage = self.storage.as_mut().ok_or(StorageError::Range)?;
+        self.watchdog.with_erase_timeout(|| storage.save(settings))
+    }
+
+    fn measure(&mut self, test: BoardTest, tick: u32) -> Result<Option<BoardReport>, CommandError> {
         let report = match test {
             BoardTest::Facts => BoardReport::Facts(self.started.facts(tick)),
             BoardTest::BeginTiming => {
@@ -168,9 +181,7 @@ impl<D: OnBoard> Board<D> for BoardServices {
         };
         Ok(Some(report))
     }
-}
 
-impl BoardServices {
     /// Does something with the flash, and reports how long its operations take.
     fn timed(
         &mut self,

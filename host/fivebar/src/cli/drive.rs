@@ -51,15 +51,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
-    let settings = scenario.robot.brushed().map_err(refused)?.settings();
-    let settings = settings.map_err(refused)?;
+    if !scenario.robot.has_steppers() {
+        scenario.robot.brushed().map_err(refused)?;
+    }
+    let settings = scenario.robot.settings().map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
 
     args.log.prepare()?;
     let interrupted = interrupted()?;
     let (mut client, identity) = args.port.open()?;
-    refuse_emulated(identity.board)?;
+    refuse_other(identity.board, scenario.robot.has_steppers())?;
     let wants_stop = || interrupted.load(Ordering::Relaxed);
     let mut drive = Drive::new(&mut client, &wants_stop);
     let lengths = path_lengths(&scenario, &job);
@@ -126,13 +128,26 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     logged
 }
 
-fn refuse_emulated(board: Board) -> Result<(), Failure> {
-    match board {
-        Board::Emulated => Err(Failure::Refused(
-            "an emulated board has no motors; run the job on it with `fivebar pil`".into(),
-        )),
-        Board::Desktop | Board::Stm32f405 => Ok(()),
-    }
+/// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
+/// else.
+fn refuse_other(board: Board, has_steppers: bool) -> Result<(), Failure> {
+    let reason = match (board, has_steppers) {
+        (Board::Emulated, _) => {
+            "an emulated board has no motors; run the job on it with `fivebar pil`"
+        }
+        (Board::Desktop | Board::Stm32f405, true) => {
+            "the controller is for brushed motors and the robot has steppers; \
+             write the image `stm32f405_stepper` to the board"
+        }
+        (Board::Stm32f405Stepper, false) => {
+            "the controller is for steppers and the robot has other motors; \
+             write the image `stm32f405` to the board"
+        }
+        (Board::Desktop | Board::Stm32f405, false) | (Board::Stm32f405Stepper, true) => {
+            return Ok(());
+        }
+    };
+    Err(Failure::Refused(reason.into()))
 }
 
 /// The job's moves from where the arm is, and the pauses between them.

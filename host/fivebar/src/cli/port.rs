@@ -51,7 +51,8 @@ fn board(board: Board) -> &'static str {
     match board {
         Board::Desktop => "a controller in a process on a desktop",
         Board::Emulated => "an emulated board",
-        Board::Stm32f405 => "an STM32F405",
+        Board::Stm32f405 => "an STM32F405 for brushed motors",
+        Board::Stm32f405Stepper => "an STM32F405 for steppers",
     }
 }
 

@@ -12,5 +12,6 @@ pub(crate) mod pulse_timer;
 pub(crate) mod pwm_timer;
 pub(crate) mod rcc;
 pub(crate) mod reset_cause;
+pub(crate) mod tick_timer;
 pub(crate) mod tim1;
 pub(crate) mod usart;

@@ -37,13 +37,14 @@ mod app {
     use fivebar_firmware::board::stm32f405::stepper::outputs::Outputs;
     use fivebar_firmware::board::stm32f405::stepper::pins::Pins;
     use fivebar_firmware::board::stm32f405::stepper::sensors::Sensors;
-    use fivebar_firmware::board::stm32f405::stepper::timers::{self, StepTimers, TICK_CYCLES};
+    use fivebar_firmware::board::stm32f405::stepper::timers::{self, TICK_CYCLES};
     use fivebar_firmware::board::stm32f405::watchdog::Tasks;
     use fivebar_firmware::board::stm32f405::{brown_out, post_mortem, serial, tool};
     use fivebar_firmware::drives::{BrushedCommand, BrushedSample, StepDrives};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::session::{self, Session, fault_at_start};
+    use fivebar_firmware::settings::BoardLimits;
     use fivebar_firmware::{ArmController, Request, SensorSample};
     use heapless::spsc::{Consumer, Producer, Queue};
 
@@ -115,7 +116,8 @@ mod app {
 
         let mut storage = services::open(device.FLASH);
         let mut settings = services::benchtop();
-        let missing = services::load::<StepDrives>(&mut storage, &mut settings).err();
+        let missing =
+            services::load(&mut storage, &BoardLimits::STM32F405_STEPPER, &mut settings).err();
         let settings = &settings;
         let started = Started {
             clocks,
@@ -165,7 +167,7 @@ mod app {
     /// A break input has stopped the pulses of motor 1; this tells the controller.
     #[task(binds = TIM1_BRK_TIM9, priority = 4)]
     fn tripped1(_: tripped1::Context) {
-        if StepTimers::take_break() {
+        if timers::take_break1() {
             STOP.store(true, Ordering::Relaxed);
         }
     }
@@ -173,7 +175,7 @@ mod app {
     /// The same of motor 4.
     #[task(binds = TIM8_BRK_TIM12, priority = 4)]
     fn tripped4(_: tripped4::Context) {
-        if StepTimers::take_break() {
+        if timers::take_break4() {
             STOP.store(true, Ordering::Relaxed);
         }
     }

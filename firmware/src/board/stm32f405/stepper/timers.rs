@@ -152,22 +152,6 @@ impl StepTimers {
         }
     }
 
-    /// Takes the break interrupt of either timer: true if one tripped.
-    ///
-    /// The flag cannot be cleared while the input is active, so the interrupts are disabled here: otherwise they would
-    /// repeat for ever, above the tick. [`StepTimers::rearm_break`] enables them again.
-    pub fn take_break() -> bool {
-        // SAFETY: nothing else changes the enables while they are set, see `rearm_break`.
-        #[allow(unsafe_code)]
-        let timers = unsafe { [&*TIM1::ptr(), &*TIM8::ptr()] };
-        timers
-            .map(|timer| {
-                timer.dier().modify(|_, w| w.bie().clear_bit());
-                timer.sr().read().bif().bit_is_set()
-            })
-            .contains(&true)
-    }
-
     /// Enables the break interrupts again, once the inputs are released. Called in every tick.
     #[inline]
     pub fn rearm_break(&mut self) {
@@ -185,6 +169,29 @@ impl StepTimers {
             }
         }
     }
+}
+
+/// Takes the break interrupt of motor 1's timer: true if its break input tripped.
+///
+/// The flag cannot be cleared while the input is active, so the interrupt is disabled here: otherwise it would repeat for
+/// ever, above the tick. [`StepTimers::rearm_break`] enables it again.
+pub fn take_break1() -> bool {
+    // SAFETY: nothing else changes the enable while it is set, see `rearm_break`.
+    #[allow(unsafe_code)]
+    take_break(unsafe { &*TIM1::ptr() })
+}
+
+/// The same of motor 4's timer.
+pub fn take_break4() -> bool {
+    // SAFETY: as above.
+    #[allow(unsafe_code)]
+    take_break(unsafe { &*TIM8::ptr() })
+}
+
+fn take_break(timer: &tim1::RegisterBlock) -> bool {
+    let tripped = timer.sr().read().bif().bit_is_set();
+    timer.dier().modify(|_, w| w.bie().clear_bit());
+    tripped
 }
 
 /// No pulses, the slave mode, and the break; then the counter runs, and its output is off.

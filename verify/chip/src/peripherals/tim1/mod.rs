@@ -1,4 +1,5 @@
-//! TIM1: a counter with repetition counter, four PWM outputs, break input, trigger output.
+//! TIM1: a counter with repetition counter, four PWM outputs, break input, trigger output, and the slave mode in which a
+//! trigger starts it anew. TIM8 is its like.
 
 mod registers;
 
@@ -72,8 +73,14 @@ pub(crate) struct Tim1 {
     boundary_at: Time,
     /// The break input is active now.
     break_active: bool,
+    /// TIM4 among its triggers.
+    trigger: u32,
+    /// The next match of a channel's compare value, where a trigger starts the counter anew.
+    edge_at: Time,
 }
 
+/// The slave mode in which a trigger starts the counter anew.
+const RESET_MODE: u32 = 4;
 const UIF: u32 = 0;
 const BIF: u32 = 7;
 const MOE: u32 = 15;
@@ -81,6 +88,16 @@ const FLAGS: u32 = 0x1eff;
 
 impl Tim1 {
     pub(crate) fn new(clock: Time) -> Self {
+        // TIM4 is its trigger 3.
+        Self::with_trigger(clock, 3)
+    }
+
+    /// TIM8, whose trigger 2 is TIM4. Its registers are reported by the names of TIM1's.
+    pub(crate) fn tim8(clock: Time) -> Self {
+        Self::with_trigger(clock, 2)
+    }
+
+    fn with_trigger(clock: Time, trigger: u32) -> Self {
         let names = ["TIM1_CCR1", "TIM1_CCR2", "TIM1_CCR3", "TIM1_CCR4"];
         Self {
             cr1: Register::new("TIM1_CR1", 0, 0x3ff, 0),
@@ -111,12 +128,14 @@ impl Tim1 {
             clock,
             boundary_at: NEVER,
             break_active: false,
+            trigger,
+            edge_at: NEVER,
         }
     }
 
     pub(crate) fn reset(&mut self) {
         let reading = self.reading;
-        *self = Self::new(self.clock);
+        *self = Self::with_trigger(self.clock, self.trigger);
         self.reading = reading;
     }
 
@@ -168,6 +187,7 @@ impl Tim1 {
     }
 
     fn plan(&mut self) {
+        self.edge_at = self.next_edge().unwrap_or(NEVER);
         let (top, cycle) = (u64::from(self.top), self.cycle());
         if !self.runs() || top == 0 {
             self.boundary_at = NEVER;
@@ -181,6 +201,45 @@ impl Tim1 {
         self.boundary_at = self.since + (next - self.phase) * self.count_time();
     }
 
+    /// Whether a trigger starts the counter anew.
+    fn is_restarted(&self) -> bool {
+        self.smcr.field(0, 3) == RESET_MODE
+    }
+
+    /// The next match of an enabled channel's compare value in this period.
+    fn next_edge(&self) -> Option<Time> {
+        if !self.runs() || !self.is_restarted() {
+            return None;
+        }
+        let enabled = (0..4).filter(|channel| self.ccer.bit(4 * channel));
+        let matches = enabled
+            .map(|channel| u64::from(self.compare[channel as usize]))
+            .filter(|&compare| self.phase < compare && compare <= u64::from(self.top));
+        let next = matches.min()?;
+        Some(self.since + (next - self.phase) * self.count_time())
+    }
+
+    /// TIM4's trigger: in its slave mode, the counter starts anew, with an update whatever the repetition counter is.
+    pub(crate) fn restart(&mut self, at: Time) {
+        if self.is_restarted() && self.smcr.field(4, 3) == self.trigger {
+            (self.phase, self.since) = (0, at);
+            self.update(true);
+            self.plan();
+        }
+    }
+
+    /// The level that channel 0…3 drives in PWM mode 1 or 2 while it counts up; none where it drives none.
+    pub(crate) fn level(&self, channel: usize, now: Time) -> Option<bool> {
+        let high = match self.output(channel) {
+            Output::Released => return None,
+            Output::Idle(level) => return Some(level),
+            Output::Pwm { .. } => self.counter(now).0 >= self.compare[channel],
+        };
+        let bit = channel as u32;
+        let inverted = self.ccmr[channel / 2].field(4 + 8 * (bit % 2), 3) == 6;
+        Some(high ^ inverted ^ self.ccer.bit(4 * bit + 1))
+    }
+
     /// The clock's period changed.
     pub(crate) fn set_clock(&mut self, clock: Time, now: Time) {
         if clock != self.clock {
@@ -192,7 +251,7 @@ impl Tim1 {
     }
 
     pub(crate) fn due(&self) -> Time {
-        self.boundary_at
+        self.boundary_at.min(self.edge_at)
     }
 
     /// Passes the boundaries that are due.
@@ -212,6 +271,9 @@ impl Tim1 {
                 self.repetitions = self.repetitions.saturating_sub(1);
             }
             self.plan();
+        }
+        if self.edge_at <= now {
+            self.rebase(now);
         }
         events
     }

@@ -1,6 +1,6 @@
 //! What the program reads from and writes to TIM1's registers.
 
-use super::{BIF, FLAGS, MOE, Tim1, Tim1Events};
+use super::{BIF, FLAGS, MOE, RESET_MODE, Tim1, Tim1Events};
 use crate::time::Time;
 use crate::violation::{Access, refuse};
 
@@ -39,8 +39,7 @@ impl Tim1 {
         match offset {
             0x00 => self.write_cr1(value)?,
             0x04 => self.write_cr2(value)?,
-            0x08 if value & 7 == 0 => self.smcr.write(value)?,
-            0x08 => return refuse("TIM1_SMCR", value, "slave modes are not simulated"),
+            0x08 => self.write_smcr(value)?,
             0x0c => self.dier.write(value)?,
             0x10 => {
                 self.sr.write(value)?;
@@ -107,6 +106,20 @@ impl Tim1 {
             return refuse("TIM1_CR2", value, "this trigger output is not simulated");
         }
         self.cr2.write(value)
+    }
+
+    fn write_smcr(&mut self, value: u32) -> Access<()> {
+        let trigger = value >> 4 & 7;
+        if !matches!(value & 7, 0 | RESET_MODE) || value & !0x77 != 0 {
+            return refuse("TIM1_SMCR", value, "this slave mode is not simulated");
+        }
+        if value & 7 == RESET_MODE && (trigger != self.trigger || self.is_centred()) {
+            return refuse("TIM1_SMCR", value, "it is started anew by TIM4 only, counting up");
+        }
+        if self.is_restarted() && trigger != self.smcr.field(4, 3) {
+            return refuse("TIM1_SMCR", value, "the trigger changes while it is in use");
+        }
+        self.smcr.write(value)
     }
 
     fn write_ccmr(&mut self, which: usize, value: u32) -> Access<()> {
