@@ -302,6 +302,11 @@ impl Chip {
         mcu.stalled_until > mcu.now && mcu.stalled_until != NEVER
     }
 
+    /// When TIM4 last began a tick.
+    pub fn tick_began(&mut self) -> Time {
+        self.mcu().ticks.began()
+    }
+
     /// TIM1's counter when it last triggered the converters.
     pub fn counter_at_last_trigger(&mut self) -> Option<u32> {
         self.mcu().triggered_at.map(|(counter, _)| counter)
@@ -364,7 +369,10 @@ impl Drop for Chip {
     fn drop(&mut self) {
         let cpu = self.cpu_mut();
         cpu.figures.look_at_stack(&cpu.mcu.ram);
-        cpu.figures.store();
+        // The figures are those of the image for brushed motors.
+        if !cpu.mcu.has_steppers() {
+            cpu.figures.store();
+        }
         // SAFETY: it came from a box and is not used again.
         drop(unsafe { Box::from_raw(self.cpu.as_ptr()) });
     }

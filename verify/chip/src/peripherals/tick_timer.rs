@@ -64,6 +64,11 @@ impl TickTimer {
         self.cr2.field(4, 3) == UPDATE
     }
 
+    /// When the tick began.
+    pub(crate) fn began(&self) -> Time {
+        self.origin
+    }
+
     pub(crate) fn interrupt(&self) -> bool {
         self.sr.bit(UIF) && self.dier.bit(0)
     }
@@ -100,7 +105,11 @@ impl TickTimer {
             }
             0x2c if self.runs() => refuse("TIM4_ARR", value, "it changes while the counter runs"),
             0x2c => self.arr.write(value),
-            _ => refuse("TIM4", value, format!("offset {offset:#x} is not simulated")),
+            _ => refuse(
+                "TIM4",
+                value,
+                format!("offset {offset:#x} is not simulated"),
+            ),
         }
     }
 }

@@ -19,24 +19,29 @@ use fivebar_plant::Plant;
 use fivebar_sim::link::{Client, LinkError};
 use nalgebra::Vector2;
 use std::cell::RefMut;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// The image, built from the sources beside this folder.
+/// The path of the image, which is built from the sources beside this folder.
+pub(crate) fn path() -> &'static Path {
+    static PATH: OnceLock<PathBuf> = OnceLock::new();
+    PATH.get_or_init(|| {
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/image.sh");
+        let output = Command::new(script).output().expect("the script runs");
+        let text = String::from_utf8_lossy(&output.stdout);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{text}{errors}");
+        PathBuf::from(text.lines().last().expect("a path"))
+    })
+}
+
+/// The image.
 pub(crate) fn image() -> Arc<Image> {
     static IMAGE: OnceLock<Arc<Image>> = OnceLock::new();
     IMAGE
-        .get_or_init(|| {
-            let script = concat!(env!("CARGO_MANIFEST_DIR"), "/image.sh");
-            let output = Command::new(script).output().expect("the script runs");
-            let text = String::from_utf8_lossy(&output.stdout);
-            let errors = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{text}{errors}");
-            let path = PathBuf::from(text.lines().last().expect("a path"));
-            Arc::new(Image::read(&path).expect("an image"))
-        })
+        .get_or_init(|| Arc::new(Image::read(path()).expect("an image")))
         .clone()
 }
 

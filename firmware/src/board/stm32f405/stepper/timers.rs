@@ -26,8 +26,9 @@ const NO_REPETITION_ENDS: u8 = u8::MAX;
 /// The channels of the pulses: 1 of TIM1, 3 of TIM8.
 const CHANNEL1: usize = 0;
 const CHANNEL4: usize = 2;
-/// The flags of the timers' status registers.
+/// The flags of the status registers of TIM1 and TIM8, and of TIM4.
 const FLAGS: u32 = 0x1eff;
+const TICK_FLAGS: u32 = 0x1e5f;
 /// PB14 and PB15, the drivers' enables: high is without power.
 const ENABLE_PINS: u32 = 1 << 14 | 1 << 15;
 
@@ -69,7 +70,7 @@ pub fn take_tick() {
     unsafe {
         (*TIM4::ptr())
             .sr()
-            .write(|w| w.bits(FLAGS).uif().clear_bit());
+            .write(|w| w.bits(TICK_FLAGS).uif().clear_bit());
     }
 }
 

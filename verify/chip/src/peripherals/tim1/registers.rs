@@ -114,7 +114,11 @@ impl Tim1 {
             return refuse("TIM1_SMCR", value, "this slave mode is not simulated");
         }
         if value & 7 == RESET_MODE && (trigger != self.trigger || self.is_centred()) {
-            return refuse("TIM1_SMCR", value, "it is started anew by TIM4 only, counting up");
+            return refuse(
+                "TIM1_SMCR",
+                value,
+                "it is started anew by TIM4 only, counting up",
+            );
         }
         if self.is_restarted() && trigger != self.smcr.field(4, 3) {
             return refuse("TIM1_SMCR", value, "the trigger changes while it is in use");
