@@ -365,6 +365,8 @@ MISTAKES = [
     ("joint 4's switch not compared", "controller/turns.rs", "                self.compare_switch(1, sample);\n", ""),
     ("a disturbance of a switch is a fault", "controller/passing.rs", "WRONG_LOOKS: u8 = 4", "WRONG_LOOKS: u8 = 1"),
     ("lost counts leave the arm homed", "safety/fault.rs", "                | Self::EncoderStuck\n                | Self::LostCounts\n", "                | Self::EncoderStuck\n"),
+    ("a period of steps one clock longer", "drivers/steps.rs", "top: period as u16 - 1,", "top: period as u16,"),
+    ("the direction changes within pulses", "drivers/steps.rs", "if turns && self.now == 0 {", "if turns {"),
 ]
 
 

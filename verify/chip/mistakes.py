@@ -130,6 +130,9 @@ MISTAKES = [
     ("joint 4's fault output without its pull-down", "pins.rs", "fault4: b.pb1.into_pull_down_input()", "fault4: b.pb1.into_floating_input()"),
     ("joint 1's counts latched by another timer", "encoders.rs", "const TIM8_OF_TIM5: u8 = 3;", "const TIM8_OF_TIM5: u8 = 2;"),
     ("the latch's pulse not from TIM1's trigger", "encoders.rs", "w.ts().itr0().sms()", "w.ts().itr1().sms()"),
+    ("steps: repetitions that end within a tick", "board/stm32f405/stepper/timers.rs", "const NO_REPETITION_ENDS: u8 = u8::MAX;", "const NO_REPETITION_ENDS: u8 = 3;"),
+    ("steps: a compare value without preload", "board/stm32f405/stepper/timers.rs", "w.oc3m().pwm_mode2().oc3pe().enabled()", "w.oc3m().pwm_mode2().oc3pe().disabled()"),
+    ("steps: joint 4's direction inverted", "board/stm32f405/stepper/outputs.rs", "set_state(axis4.forwards().into())", "set_state((!axis4.forwards()).into())"),
 ]
 
 

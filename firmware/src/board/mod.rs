@@ -11,6 +11,7 @@
 //! | folder | a tick comes from | samples and commands | settings |
 //! |---|---|---|---|
 //! | `stm32f405` | the PWM timer, 10 kHz | timers, converters, bridges | in flash |
+//! | `stm32f405/stepper`, an image of that board | a timer, 10 kHz | the steps made, step/dir drivers | in flash |
 //! | `emulated` | the host | frames | none |
 //!
 //! What a host has to know of a board stands where the host reads it: its name in
