@@ -22,7 +22,7 @@ const TICK: Time = 100 * MICROSECOND;
 /// The unevenness that is allowed.
 const JITTER: Time = 100 * MICROSECOND / 1000;
 
-/// Two step drivers with switches that are never pressed.
+/// Two step drivers, and home switches.
 #[derive(Default)]
 struct Drivers {
     outputs: Option<Outputs>,
@@ -35,6 +35,8 @@ struct Drivers {
     /// The shortest pulse, gap between pulses, time from a direction to a step and from a step to a direction.
     shortest: [[Time; 4]; 2],
     stop: bool,
+    /// The position beyond which each home switch is pressed.
+    home: Option<[i32; 2]>,
 }
 
 #[derive(Clone)]
@@ -47,6 +49,13 @@ impl Shared {
 }
 
 impl Drivers {
+    fn at_home(&self, joint: usize) -> bool {
+        self.home.is_some_and(|home| {
+            let (at, edge) = (self.position[joint], home[joint]);
+            if edge < 0 { at <= edge } else { at >= edge }
+        })
+    }
+
     fn follow(&mut self, now: Time, joint: usize, before: &Outputs, after: &Outputs) {
         let (old, new) = (before.steps[joint], after.steps[joint]);
         let forwards = after.direction[joint] == Some(true);
@@ -85,7 +94,8 @@ impl Wiring for Shared {
         match pin {
             // The emergency stop on both break inputs; home switches.
             Pin(1, 12) | Pin(0, 6) => Some(self.get().stop),
-            Pin(2, 4) | Pin(2, 5) => Some(false),
+            Pin(2, 4) => Some(self.get().at_home(0)),
+            Pin(2, 5) => Some(self.get().at_home(1)),
             // Fault outputs and the serial line.
             Pin(1, 0 | 1 | 7) => Some(true),
             _ => None,
@@ -136,8 +146,8 @@ fn fastest_settings() -> Settings {
 }
 
 impl Bench {
-    /// Connected, with these settings and known angles, and armed.
-    fn armed(settings: Settings) -> Self {
+    /// Connected, with these settings.
+    fn ready(settings: Settings) -> Self {
         let drivers = Shared(Rc::new(RefCell::new(Drivers {
             shortest: [[Time::MAX; 4]; 2],
             ..Drivers::default()
@@ -161,13 +171,19 @@ impl Bench {
         let applied = client.write_settings(&settings).expect("a line");
         applied.expect("the settings are applied");
         let start = settings.axes.each_ref().map(|axis| axis.home_angle);
-        let mut bench = Self {
+        Self {
             client,
             line,
             drivers,
             start,
             settings,
-        };
+        }
+    }
+
+    /// The same with known angles, and armed.
+    fn armed(settings: Settings) -> Self {
+        let mut bench = Self::ready(settings);
+        let start = bench.start;
         bench.request(Request::SetAngles(start));
         let off = bench.drivers.get().outputs.expect("outputs").sleep;
         assert_eq!(off, [Some(true); 2], "the enables are high without power");
@@ -316,4 +332,46 @@ fn an_emergency_stop_ends_the_pulses_at_once_and_the_power_in_a_tick() {
     assert_eq!(status.fault, Some(Fault::EmergencyStop));
     bench.run(20 * MILLISECOND);
     assert_eq!(bench.drivers.get().edges.len(), before);
+}
+
+#[test]
+fn the_arm_homes_to_its_switches_and_goes_where_it_is_told() {
+    let robot = Robot::load("benchtop_stepper").expect("a built-in robot");
+    let mut bench = Bench::ready(robot.settings().expect("settings"));
+    // 0.01 rad from the start.
+    let axes = &bench.settings.axes;
+    let edge = [0, 1].map(|joint| {
+        let way = if axes[joint].home_forward {
+            0.01
+        } else {
+            -0.01
+        };
+        bench.start[joint] + way
+    });
+    let edge = bench.steps_to(edge);
+    bench.drivers.get().home = Some(edge);
+    bench.request(Request::Home);
+    let homed = |bench: &mut Bench| {
+        bench.run(20 * MILLISECOND);
+        let (status, _) = bench.client.status().expect("a status");
+        assert_eq!(status.fault, None);
+        status.homed && status.state == State::Stopped
+    };
+    assert!((0..200).any(|_| homed(&mut bench)), "it homes");
+    bench.request(Request::Arm);
+    bench.run(300 * MILLISECOND);
+    let to = [bench.start[0] - 0.2, bench.start[1] + 0.3];
+    bench.go(to, 0.5);
+    bench.finish();
+    // The switches are at the home angles.
+    let wanted = bench.steps_to(to);
+    let position = bench.drivers.get().position;
+    println!(
+        "{position:?} steps for {wanted:?}, {edge:?} of the switches, at {:?}",
+        bench.line.chip().now()
+    );
+    for joint in 0..2 {
+        let off = position[joint] - edge[joint] - wanted[joint];
+        assert!(off.abs() <= 2, "{position:?} {edge:?} {wanted:?}");
+    }
 }
