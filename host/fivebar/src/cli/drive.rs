@@ -8,9 +8,10 @@ use super::run_args::JobArgs;
 use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
 use fivebar_files::job::{Job, Pause};
+use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
-use fivebar_firmware::{Move, Planner, Status};
+use fivebar_firmware::{Move, Planner, Settings, Status};
 use fivebar_sim::drive::{Drive, DriveError, Homing};
 use fivebar_sim::simulation::{Sample, Trace};
 use fivebar_sim::time_optimal::JobPlanner;
@@ -51,10 +52,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
-    if !scenario.robot.has_steppers() {
-        scenario.robot.brushed().map_err(refused)?;
-    }
-    let settings = scenario.robot.settings().map_err(refused)?;
+    let settings = settings(&scenario.robot)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
 
@@ -126,6 +124,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         scenario.job_file
     ))?;
     logged
+}
+
+/// The robot's settings, if a board has an image for its motors.
+fn settings(robot: &Robot) -> Result<Settings, Failure> {
+    if !robot.has_steppers() {
+        robot.brushed().map_err(refused)?;
+    }
+    robot.settings().map_err(refused)
 }
 
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
