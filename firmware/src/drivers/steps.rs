@@ -141,7 +141,9 @@ mod tests {
             let made = edges(pulses).len() as i32;
             position += if direction { made } else { -made };
             assert_eq!(axis.begin(true, 0), position, "tick {tick}");
-            let wanted = (f64::from(tick) * 0.05).sin() * 200.0;
+            // It turns slowly, and from one tick to the next.
+            let time = f64::from(tick);
+            let wanted = (time * 0.05).sin() * 200.0 + (time * 2.9).sin() * 15.0;
             let pulses = axis.prepare(wanted as i32 - position);
             assert!(made == 0 || axis.forwards() == direction, "tick {tick}");
             sent = (pulses, axis.forwards());
