@@ -171,6 +171,7 @@ class Page:
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "test.gcode")
             path.write_text(text)
+            self.browser.reveal("#file")
             self.browser.type("#file", str(path))
             self.browser.wait(words, lambda: words in self.browser.text("#job"))
 

@@ -6,7 +6,7 @@ import math
 from live import SHORT_JOB, TOO_LARGE
 
 TAB, ENTER, ESCAPE, SPACE = "\ue004", "\ue007", "\ue00c", " "
-LEFT, UP, SHIFT = "\ue012", "\ue013", "\ue008"
+LEFT, UP, RIGHT, SHIFT = "\ue012", "\ue013", "\ue014", "\ue008"
 
 
 # The benchtop arm: cranks of 100 mm, their axes 80 mm apart.
@@ -62,6 +62,17 @@ def keys_alone_home_arm_jog_and_stop(page):
                 return
         raise AssertionError(f"the Tab key never comes to {selector}")
 
+    def open_tab(name):
+        """By the arrow keys, from whichever tab is open."""
+        go_to('[role="tab"]')
+        for _ in range(4):
+            if browser.script("return document.activeElement.getAttribute('aria-selected');") == "true" \
+                    and browser.script("return document.activeElement.textContent;") == name:
+                return
+            browser.press(RIGHT)
+        raise AssertionError(f"the arrow keys never come to {name}")
+
+    open_tab("Arm")
     go_to('[data-request="home"]')
     browser.press(ENTER)
     browser.wait("home", lambda: page.state() == "Stopped" and len(page.angles()) == 2)
@@ -77,6 +88,7 @@ def keys_alone_home_arm_jog_and_stop(page):
     browser.wait("the turn", lambda: abs(page.angles()[0] - before[0] - 1.0) < 0.05)
     assert abs(page.angles()[1] - before[1]) < 0.02
     page.load_job(SHORT_JOB, "within the arm's limits")
+    open_tab("Job")
     go_to("#run")
     browser.press(ENTER)
     page.wait_for("Running")

@@ -8,9 +8,9 @@ ENTER, ESCAPE, SPACE, SHIFT, CONTROL = "\ue007", "\ue00c", " ", "\ue008", "\ue00
 
 # A control of each kind.
 CONTROLS = ["#run", "#next", "#feed", "#from", "#file", "#run-on", "#arm", '[data-mode="left,left"]',
-            "#emergency"]
+            "#tab-job", "#tab-plots", '[data-pen="up"]', "#emergency"]
 # Those of them that a click opens or changes, without a request to the arm.
-CLICKED = ["#feed", "#from", "#file", "#arm", '[data-mode="left,left"]']
+CLICKED = ["#feed", "#from", "#file", "#arm", '[data-mode="left,left"]', "#tab-job", "#tab-plots"]
 
 
 def run(page):
@@ -62,9 +62,11 @@ def escape_stops_from_every_control(page):
         if selector in CLICKED:
             browser.click_at(browser.middle(selector))
         else:
-            browser.script(f"document.querySelector('{selector}').focus();")
+            browser.focus(selector)
         browser.press(ESCAPE)
         stopped_at_once(page)
+        # The middle of the panel, where a click has just done something else.
+        time.sleep(PAUSE)
         page.recover()
 
 
@@ -72,7 +74,7 @@ def space_stops_from_every_control(page):
     browser = page.browser
     for selector in CONTROLS:
         run(page)
-        browser.script(f"document.querySelector('{selector}').focus();")
+        browser.focus(selector)
         browser.press(SPACE)
         page.wait_for("Armed", timeout=5)
         stays_at_rest(page, 0.3)
@@ -95,7 +97,7 @@ def keys_with_others_and_of_input_methods_stop(page):
                   lambda: browser.key("keyUp", "Escape", "Escape", 27)):
         browser.click("#from")
         run(page)
-        browser.script("document.getElementById('from').focus();")
+        browser.focus("#from")
         press()
         stopped_at_once(page)
         page.recover()
@@ -133,7 +135,7 @@ def the_window_to_choose_a_file_does_not_open_while_the_arm_moves(page):
 def a_held_space_stops_and_does_not_press_the_button_when_the_arm_rests(page):
     browser = page.browser
     run(page)
-    browser.script("document.getElementById('run').focus();")
+    browser.focus("#run")
     browser.key("keyDown", " ", "Space", 32, text=" ")
     for _ in range(20):
         browser.key("keyDown", " ", "Space", 32, text=" ", autoRepeat=True)
@@ -150,11 +152,11 @@ def a_held_enter_presses_a_button_once(page):
     run(page)
     browser.press(ESCAPE)
     stopped_at_once(page)
-    browser.script("document.querySelector('[data-request=clear_fault]').focus();")
+    browser.focus("[data-request=clear_fault]")
     browser.press(ENTER)
     page.wait_for("Stopped")
     time.sleep(PAUSE)
-    browser.script("document.getElementById('next').focus();")
+    browser.focus("#next")
     browser.script("""
         window.states = [];
         new MutationObserver(() => window.states.push(document.body.dataset.state))

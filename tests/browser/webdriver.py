@@ -92,7 +92,23 @@ class Browser:
         return found[ELEMENT]
 
     def text(self, selector):
+        self.reveal(selector)
         return self.call("GET", f"/element/{self.find(selector)}/text")
+
+    def reveal(self, selector):
+        """Clicks the tab whose panel has this element, if the panel is hidden."""
+        tab = self.script(f"""
+            const panel = document.querySelector('{selector}')?.closest('[role=tabpanel][hidden]');
+            return panel?.getAttribute('aria-labelledby') ?? null;""")
+        if tab:
+            self.click(f"#{tab}")
+
+    def focus(self, selector):
+        self.reveal(selector)
+        assert self.script(f"""
+            const element = document.querySelector('{selector}');
+            element.focus();
+            return document.activeElement === element;"""), f"{selector} does not take the focus"
 
     def click(self, selector):
         """Clicks an element in the middle of the window: the driver counts as in view what the header covers."""
@@ -113,6 +129,7 @@ class Browser:
 
     def middle(self, selector):
         """The middle of an element in the window, scrolled into view [px]."""
+        self.reveal(selector)
         return self.script(f"""
             const control = document.querySelector('{selector}');
             control.scrollIntoView({{ block: 'center' }});

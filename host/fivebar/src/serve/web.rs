@@ -33,7 +33,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 17] = [
+const ASSETS: [Asset; 21] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -43,6 +43,11 @@ const ASSETS: [Asset; 17] = [
         "/style.css",
         "text/css; charset=utf-8",
         include_str!("page/style.css"),
+    ),
+    (
+        "/live.css",
+        "text/css; charset=utf-8",
+        include_str!("page/live.css"),
     ),
     ("/uPlot.js", SCRIPT, UPLOT_SCRIPT),
     ("/uPlot.css", "text/css; charset=utf-8", UPLOT_STYLE),
@@ -54,10 +59,13 @@ const ASSETS: [Asset; 17] = [
     ("/drawing.js", SCRIPT, include_str!("page/drawing.js")),
     ("/drag.js", SCRIPT, include_str!("page/drag.js")),
     ("/emergency.js", SCRIPT, include_str!("page/emergency.js")),
+    ("/files.js", SCRIPT, include_str!("page/files.js")),
     ("/keys.js", SCRIPT, include_str!("page/keys.js")),
     ("/map.js", SCRIPT, include_str!("page/map.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),
+    ("/regions.js", SCRIPT, include_str!("page/regions.js")),
+    ("/tabs.js", SCRIPT, include_str!("page/tabs.js")),
     (
         "/demonstration.gcode",
         "text/plain; charset=utf-8",

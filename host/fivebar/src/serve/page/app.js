@@ -3,14 +3,16 @@ import { ClickGuard } from "./clicks.js";
 import { Drawing } from "./drawing.js";
 import { DragHandler } from "./drag.js";
 import { alarm, connection } from "./emergency.js";
+import { listenToFiles } from "./files.js";
 import { listen } from "./keys.js";
 import { WorkspaceMap } from "./map.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
 import { Plot } from "./plots.js";
+import { listenToTabs, show as showTabOf } from "./tabs.js";
 
 const DEGREE = Math.PI / 180;
 const SHIFT = 0.005; // m that a button moves the drawing by
-const STEPS = [0.0001, 0.001, 0.005, 0.02]; // m
+const STEPS = [0.0001, 0.001, 0.005, 0.01, 0.02]; // m
 const TURNS = [0.1, 1, 5, 20]; // degrees
 const PAUSE = 1000; // ms for which the button of the next step does nothing after it has changed
 
@@ -63,9 +65,12 @@ function receive(message) {
     if (isNew) {
       at("from").value = 1;
       drawing.forget();
-      if (message.job.strokes.length) drawing.showJob();
+      if (message.job.strokes.length) {
+        setMap(false);
+        drawing.showJob();
+      }
     }
-    showJob(message.job);
+    showJob(message.job, drawing.jobBox);
     showControls();
     redraw();
   }
@@ -89,7 +94,7 @@ function showState(state) {
   const watching = state.control !== me;
   showStateText(state.state, stateText(state, watching));
   document.body.classList.toggle("watching", watching);
-  showNumbers(state);
+  showNumbers(state, me);
   showControls();
   if (state.elbows && String(state.elbows) !== elbows) {
     elbows = String(state.elbows);
@@ -160,6 +165,13 @@ function chooseBranch(branch) {
   redraw();
 }
 
+// Shows or hides the map of the workspace. It is off while a job is loaded, unless the user wants it.
+function setMap(on) {
+  map.shown = at("map").checked = on;
+  at("legend").hidden = !on;
+  redraw();
+}
+
 function showLegend() {
   at("ramp").replaceChildren(...map.legend.map((background) => {
     const step = document.createElement("i");
@@ -213,12 +225,6 @@ function place([x, y], scale, degrees) {
   send({ place: { about, by: [x, y], scale, turn: degrees * DEGREE } });
 }
 
-// The text of a file; one that gzip has compressed, such as .svgz, is decompressed.
-async function textOf(file) {
-  const [first, second] = new Uint8Array(await file.slice(0, 2).arrayBuffer());
-  if (first !== 0x1f || second !== 0x8b) return file.text();
-  return new Response(file.stream().pipeThrough(new DecompressionStream("gzip"))).text();
-}
 const load = (name, text) => send({ load: { name, text } });
 
 function setGrab(on) {
@@ -276,8 +282,10 @@ function actNext(event) {
   if (next && !isFresh()) return act(controlOf(next), event);
   clicks.admits("next", at("next"), event);
   if (isFresh() && nextBefore === "stop") return stop();
-  marked?.scrollIntoView({ block: "nearest" });
-  marked?.focus({ preventScroll: true });
+  if (!marked) return;
+  showTabOf(marked);
+  marked.scrollIntoView({ block: "nearest" });
+  marked.focus({ preventScroll: true });
 }
 
 document.addEventListener("click", (event) => {
@@ -301,23 +309,9 @@ function showSliders() {
 for (const id of ["feed", "step-size", "turn"]) at(id).oninput = showSliders;
 at("feed").onchange = () => send({ feed: percent() / 100 });
 at("run-on").onchange = () => send({ run_on: at("run-on").checked });
-at("map").onchange = () => {
-  map.shown = at("map").checked;
-  redraw();
-};
-at("file").onchange = async () => {
-  const [file] = at("file").files;
-  if (file) load(file.name, await textOf(file));
-};
-// While the browser's window to choose a file is open, it takes the keys.
-at("file").onclick = (event) => {
-  if (!connection.mayMove) return;
-  event.preventDefault();
-  showNotice("Not now: the arm moves, and the window to choose a file would take the keys that stop it.", true);
-};
-at("file").oncancel = () => {
-  if (connection.mayMove) connection.emergencyStop();
-};
+at("map").onchange = () => setMap(at("map").checked);
+listenToFiles(at("file"), connection, load, (reason) => showNotice(reason, true));
+listenToTabs(redraw);
 
 const KEYS = {
   ArrowLeft: () => jog(-1, 0),
@@ -346,6 +340,7 @@ at("name").textContent = arm.name;
 at("place").textContent = arm.place;
 chooseBranch(modes[0].dataset.mode);
 showLegend();
+setMap(true);
 showControls();
 showSliders();
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {

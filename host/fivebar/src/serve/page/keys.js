@@ -25,7 +25,7 @@ export function listen(stop, keys, shiftKeys) {
       isHeld = true;
       return;
     }
-    if (target.closest?.("select, input") || ctrlKey || altKey || metaKey) return;
+    if (target.closest?.("select, input, [role=tab]") || ctrlKey || altKey || metaKey) return;
     const action = (shiftKey ? shiftKeys : keys)[key];
     if (!action) return;
     event.preventDefault();

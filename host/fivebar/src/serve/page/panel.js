@@ -94,7 +94,7 @@ export function nextStep(state, job, fault, watching) {
   }
 }
 
-export function showNumbers(state) {
+export function showNumbers(state, me) {
   put("theta1", state.homed ? degrees(state.angle[0]) : "–");
   put("theta4", state.homed ? degrees(state.angle[1]) : "–");
   put("tool", state.tool ? `${numbers(state.tool.map((x) => 1000 * x), 2)} mm` : "–");
@@ -102,6 +102,7 @@ export function showNumbers(state) {
   put("limits", LIMITS.filter((_, bit) => state.limits & (1 << bit)).join(", ") || "none");
   put("bus", `${state.bus_voltage.toFixed(1)} V`);
   put("line", String(state.tag || state.held || "–"));
+  put("holder", state.sender ? "a sender" : !state.alive ? "no page" : state.control === me ? "this page" : "another page");
   put("speed", state.speed === null ? "–" : `${state.speed.toFixed(2)}×`);
   const [done, all] = state.progress ?? [0, 1];
   at("progress").value = all > 0 ? done / all : 0;
@@ -141,10 +142,24 @@ export function showFault(fault) {
   }));
 }
 
-export function showJob(job) {
+// What a job draws: its size, and the number and length of its strokes. Nothing for a job without strokes.
+function extent(job, box) {
+  if (!box) return "";
+  const strokes = job.strokes.filter(({ down }) => down);
+  const along = (points) => points.slice(1).reduce(
+    (sum, [x, y], i) => sum + Math.hypot(x - points[i][0], y - points[i][1]), 0);
+  const length = strokes.reduce((sum, { points }) => sum + along(points), 0);
+  const [wide, high] = [box[2] - box[0], box[3] - box[1]].map((size) => (1000 * size).toFixed(1));
+  const count = `${strokes.length} ${strokes.length === 1 ? "stroke" : "strokes"}`;
+  return `${wide} × ${high} mm · ${count} · ${(1000 * length).toFixed(0)} mm drawn`;
+}
+
+// Shows a job; `box` holds the corners of what it draws [m].
+export function showJob(job, box) {
   const notes = job.notes.map((note) => `\nNote: ${note}.`).join("");
   put("job", (job.refusal
     ? `${job.name} is refused. ${job.refusal}`
     : `${job.name}: ${job.moves} moves, all within the arm's limits.`) + notes);
   at("job").classList.toggle("refused", job.refusal !== null);
+  put("size", extent(job, box));
 }

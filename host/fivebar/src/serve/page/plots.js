@@ -3,7 +3,7 @@
 import { colour } from "./colour.js";
 
 const SPAN = 10; // s
-const HEIGHT = 170; // px
+const HEIGHT = 130; // px
 
 export class Plot {
   #place;
@@ -19,7 +19,7 @@ export class Plot {
     [this.#place, this.#unit, this.#names, this.#colours] = [place, unit, names, colours];
     this.#data = [[], ...names.map(() => [])];
     this.#make();
-    new ResizeObserver(() => this.#plot.setSize({ width: place.clientWidth, height: HEIGHT })).observe(place);
+    new ResizeObserver(() => this.#resize()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#make());
   }
 
@@ -43,6 +43,17 @@ export class Plot {
     }, this.#data, this.#place);
   }
 
+  // A plot in a closed tab has no size.
+  get #isOpen() {
+    return this.#place.clientWidth > 0;
+  }
+
+  #resize() {
+    if (!this.#isOpen) return;
+    this.#plot.setSize({ width: this.#place.clientWidth, height: HEIGHT });
+    this.draw();
+  }
+
   // A value that is null breaks its curve.
   add(time, values) {
     const [times] = this.#data;
@@ -54,7 +65,7 @@ export class Plot {
 
   draw() {
     const now = this.#data[0].at(-1);
-    if (now === undefined) return;
+    if (now === undefined || !this.#isOpen) return;
     this.#plot.setData(this.#data, false);
     if (this.#zoomed) this.#plot.redraw();
     else this.#plot.setScale("x", { min: now - SPAN, max: now });
