@@ -13,6 +13,7 @@ import time
 
 import access
 import commissioning
+import layout
 import looks
 import moving
 import owning
@@ -59,6 +60,8 @@ def main():
         passed("a report on a phone")
         looks.the_reports_of_studies_are_accessible(arguments.program, browser)
         passed("reports of studies: axe-core")
+        layout.check(arguments.program, browser)
+        passed("the next step in view in every state, ten tasks in two clicks each, a dropped file")
         senders.check(arguments.program, browser)
         passed("a page of another site at the senders' ports")
         commissioning.check(arguments.program, browser)

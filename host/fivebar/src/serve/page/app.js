@@ -12,7 +12,7 @@ import { listenToTabs, show as showTabOf } from "./tabs.js";
 
 const DEGREE = Math.PI / 180;
 const SHIFT = 0.005; // m that a button moves the drawing by
-const STEPS = [0.0001, 0.001, 0.005, 0.01, 0.02]; // m
+const STEPS = [0.0001, 0.001, 0.005, 0.02]; // m
 const TURNS = [0.1, 1, 5, 20]; // degrees
 const PAUSE = 1000; // ms for which the button of the next step does nothing after it has changed
 
@@ -296,9 +296,11 @@ document.addEventListener("click", (event) => {
 
 const percent = () => Number(at("feed").value);
 function showSliders() {
+  const step = 1000 * STEPS[at("step-size").value];
+  put("ten", `→ ${step} mm\n⇒ ${10 * step} mm`);
   for (const [id, text] of [
     ["feed", `${percent()} %`],
-    ["step-size", `${1000 * STEPS[at("step-size").value]} mm`],
+    ["step-size", `${step} mm`],
     ["turn", `${TURNS[at("turn").value]}°`],
   ]) {
     put(`${id}-value`, text);
