@@ -20,9 +20,13 @@ function clock(seconds) {
   return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
 }
 
+// The states whose names in the protocol say little.
+const STATES = { Stopped: "Motors off", Armed: "Motors on", Running: "Moving", Crossing: "Changing branch" };
+const word = ({ state }) => STATES[state] ?? state;
+
 // The state of the arm and of the page in a few words.
 export function stateText(state, watching) {
-  const parts = [state.homed ? state.state : `${state.state}, not homed`];
+  const parts = [state.homed ? word(state) : `${word(state)}, not homed`];
   if (watching) parts.push("this page watches");
   if (state.sender) parts.push("a sender is in control");
   else if (!state.alive) parts.push(state.run_on && state.state === "Running" ? "the job runs on" : "no page is in control");
@@ -37,13 +41,13 @@ export function whyNot(control, state, job) {
   const armed = name === "Armed", running = name === "Running";
   const isJob = state.left !== null;
   switch (control) {
-    case "home": return name === "Stopped" ? null : `the arm is ${name}`;
-    case "arm": return name !== "Stopped" ? `the arm is ${name}` : homed ? null : "the arm is not homed";
-    case "disarm": return armed ? null : `the arm is ${name}`;
+    case "home": return name === "Stopped" ? null : `the state is “${word(state)}”`;
+    case "arm": return name !== "Stopped" ? `the state is “${word(state)}”` : homed ? null : "the arm is not homed";
+    case "disarm": return armed ? null : `the state is “${word(state)}”`;
     case "stop": return isMoving(state) ? null : "the arm rests";
     case "clear_fault": return name === "Fault" ? null : "there is no fault";
     case "jog": case "change":
-      return isJob ? "a job runs" : armed || running ? null : `the arm is ${name}`;
+      return isJob ? "a job runs" : armed || running ? null : `the state is “${word(state)}”`;
     case "pen":
       return isJob ? "a job runs" : armed ? null : running ? "the arm moves" : "the motors are off";
     case "resume": return state.held === null ? "no job was stopped" : armed ? null : "the motors are off";

@@ -19,7 +19,8 @@ export class Plot {
     [this.#place, this.#unit, this.#names, this.#colours] = [place, unit, names, colours];
     this.#data = [[], ...names.map(() => [])];
     this.#make();
-    new ResizeObserver(() => this.#resize()).observe(place);
+    // In the next frame, because the plot's height is part of what is observed.
+    new ResizeObserver(() => requestAnimationFrame(() => this.#resize())).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#make());
   }
 
