@@ -94,7 +94,7 @@ export function nextStep(state, job, fault, watching) {
       if (!job) return ["The motors hold the arm. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
       if (job.refusal && !job.moves) return [`${job.name} cannot be read: the reason is at Job. Open another file.`, "demonstration", "Load demonstration"];
       if (job.refusal) return [`${job.name} does not fit as it lies: move it, make it smaller or turn it.`, "grab", "Move drawing"];
-      return [`${job.name} fits. Run it.`, "run", "Run job"];
+      return [`Ready: ${job.name}. Run it.`, "run", "Run job"];
   }
 }
 
