@@ -66,8 +66,6 @@ def the_bar_leads_on_to_the_end_of_the_stop(page):
                 return [control.textContent, box.height >= 44 && box.top >= 0 && box.bottom < innerHeight + 1,
                         document.activeElement === control, box.top, box.bottom, innerHeight];""")
             assert shown[:3] == [marked, True, True], shown
-            # The driver scrolls the control to the middle, where "Show it" has just been clicked.
-            time.sleep(PAUSE)
         browser.click(".marked" if marked else "#next")
         page.wait_for(state)
     assert line(page)[0] > 3, "it does not begin anew"

@@ -65,8 +65,8 @@ def escape_stops_from_every_control(page):
             browser.focus(selector)
         browser.press(ESCAPE)
         stopped_at_once(page)
-        # The middle of the panel, where a click has just done something else.
-        time.sleep(PAUSE)
+        if selector in CLICKED:
+            time.sleep(PAUSE)  # the page does nothing yet where the control was clicked
         page.recover()
 
 
