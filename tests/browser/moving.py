@@ -140,9 +140,10 @@ def a_job_runs_to_its_end(page):
     page.load_job(SHORT_JOB, "4 moves, all within the arm's limits")
     page.run_job()
     page.wait_for_notice("The job is done.")
-    # The notice comes on its own, and the state with the next telemetry.
+    # The notice comes on its own, state and progress with the next telemetry.
     page.wait_for("Armed", timeout=5)
-    assert page.browser.script("return document.getElementById('progress').value;") in (0, 1)
+    page.browser.wait("the progress of no job or of a whole one", lambda: page.browser.script(
+        "return document.getElementById('progress').value;") in (0, 1), timeout=5)
 
 
 def the_emergency_stop_shows_the_fault(page):
