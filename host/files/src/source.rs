@@ -101,6 +101,15 @@ pub enum Key {
     Of(&'static str, usize, &'static str),
 }
 
+impl Key {
+    /// Its name within its section.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Top(name) | Self::In(_, name) | Self::Of(_, _, name) => name,
+        }
+    }
+}
+
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

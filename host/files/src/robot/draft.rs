@@ -1,5 +1,7 @@
 //! A new arm: the few values that define it, and the robot file made from them.
 
+use super::draft_motors::{Motor, Motors};
+use super::file::Limits;
 use super::{Robot, template};
 use crate::source::{FileError, Key};
 use fivebar_firmware::settings::SettingsError;
@@ -33,48 +35,10 @@ pub struct Draft {
     pub coupler_masses: [f64; 2],
     /// Point mass at C [kg].
     pub payload: f64,
-    /// The motor of both joints; none: ideal torque sources.
-    pub motor: Option<Motor>,
+    /// What turns its joints.
+    pub motors: Motors,
     /// Bus voltage [V].
     pub voltage: f64,
-}
-
-/// A motor with its gear and encoder; the fields are the keys of `[[actuator]]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Motor {
-    /// Motor turns per joint turn.
-    pub gear_ratio: f64,
-    /// Rotor inertia at the motor shaft [kg·m²].
-    pub rotor_inertia: f64,
-    /// Torque constant [N·m/A].
-    pub torque_constant: f64,
-    /// Winding resistance [Ω].
-    pub resistance: f64,
-    /// Winding inductance [H].
-    pub inductance: f64,
-    /// Encoder counts per motor turn, after quadrature.
-    pub encoder_counts: u32,
-    /// Peak current [A].
-    pub peak_current: f64,
-    /// Continuous current [A].
-    pub continuous_current: f64,
-    /// Time constant of the motor's heating [s].
-    pub thermal_time_constant: f64,
-}
-
-impl Motor {
-    /// A 24 V, 20 W coreless motor with a belt, the benchtop arm's.
-    pub const TYPICAL: Self = Self {
-        gear_ratio: 8.0,
-        rotor_inertia: 1.0e-6,
-        torque_constant: 0.0234,
-        resistance: 2.3,
-        inductance: 0.24e-3,
-        encoder_counts: 16384,
-        peak_current: 4.0,
-        continuous_current: 1.3,
-        thermal_time_constant: 12.0,
-    };
 }
 
 /// Why the arm of a draft cannot be simulated.
@@ -99,7 +63,7 @@ impl Draft {
             crank_masses: [0.0; 2],
             coupler_masses: [0.0; 2],
             payload: 0.03,
-            motor: Some(Motor::TYPICAL),
+            motors: Motors::Brushed(Motor::TYPICAL),
             voltage: 24.0,
         };
         draft.set_base(0.08);
@@ -205,29 +169,29 @@ impl Draft {
                 values.push((Key::Of("link", index, name), value));
             }
         }
+        let usual = Limits::default().max_speed[0];
+        if let Some(most) = self.motors.max_speed(self.voltage).filter(|&it| it < usual) {
+            // Not above it, whatever the last digit.
+            let most = tidy(0.999 * most);
+            let speeds = format!("[{most:?}, {most:?}]");
+            values.push((Key::In("limits", "max_speed"), speeds));
+        }
         for index in 0..2 {
-            let Some(motor) = &self.motor else { break };
-            for (name, value) in [
-                ("gear_ratio", motor.gear_ratio),
-                ("rotor_inertia", motor.rotor_inertia),
-                ("torque_constant", motor.torque_constant),
-                ("resistance", motor.resistance),
-                ("inductance", motor.inductance),
-                ("brake_torque", self.brake_torque()),
-                ("peak_current", motor.peak_current),
-                ("continuous_current", motor.continuous_current),
-                ("thermal_time_constant", motor.thermal_time_constant),
-            ] {
-                values.push((Key::Of("actuator", index, name), format!("{value:?}")));
+            let motor = self.motors.values(index);
+            let is_driven = !motor.is_empty();
+            for (name, value) in motor {
+                values.push((Key::Of("actuator", index, name), value));
             }
-            let counts = motor.encoder_counts.to_string();
-            values.push((Key::Of("actuator", index, "encoder_counts"), counts));
+            if is_driven {
+                let torque = format!("{:?}", self.brake_torque());
+                values.push((Key::Of("actuator", index, "brake_torque"), torque));
+            }
         }
         values
     }
 }
 
 /// A number rounded to four significant digits.
-fn tidy(value: f64) -> f64 {
+pub(super) fn tidy(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

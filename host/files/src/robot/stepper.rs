@@ -27,7 +27,7 @@ const DETENT: [f64; 2] = [0.002, 0.5];
 /// The fewest encoder counts in a full step: fewer do not show within half of one that steps are lost.
 const COUNTS_PER_STEP: u32 = 8;
 /// The most micro-steps in a second of one motor.
-const STEP_RATE: f64 = 200e3;
+pub(super) const STEP_RATE: f64 = 200e3;
 
 impl Stepper {
     /// If the file has none.
@@ -41,8 +41,8 @@ impl Stepper {
 /// The robot has other drives, where brushed motors are needed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "robot `{robot}` has {drives}: `fivebar sim` runs jobs on them, but no image of the firmware drives them yet, and \
-     loops, logs and commissioning are of brushed motors. {instead}"
+    "robot `{robot}` has {drives}: `fivebar sim` runs jobs on them, but loops, logs and commissioning are of brushed \
+     motors. {instead}"
 )]
 pub struct NotBrushed {
     /// The robot's name.

@@ -25,12 +25,9 @@ impl Section {
 }
 
 /// The template's robot with these values. Keys without a value are optional; they are
-/// commented out and show their defaults.
+/// commented out and show their defaults. The second of two sections names only the keys that it has.
 pub(super) fn filled(values: &[(Key, String)]) -> String {
-    let value_of = |key: Key| {
-        let found = values.iter().find(|(of, _)| *of == key);
-        found.map(|(_, value)| value)
-    };
+    let mut left: Vec<&(Key, String)> = values.iter().collect();
     let is_given = |section: &str, index: usize| {
         let within = |key: Key| matches!(key, Key::Of(s, i, _) if s == section && i == index);
         values.iter().any(|(key, _)| within(*key))
@@ -38,6 +35,8 @@ pub(super) fn filled(values: &[(Key, String)]) -> String {
     let mut section = Section::Top;
     let mut text = String::new();
     for line in TEMPLATE.lines() {
+        // The template has some keys as comments: those of the rarer motors and tools.
+        let key_line = line.strip_prefix("# ").unwrap_or(line);
         let filled = if let Some(name) = between(line, "[[", "]]") {
             let index = match section {
                 Section::Of(last, index) if last == name => index + 1,
@@ -48,11 +47,19 @@ pub(super) fn filled(values: &[(Key, String)]) -> String {
         } else if let Some(name) = between(line, "[", "]") {
             section = Section::One(name);
             Some(line.to_owned())
-        } else if let Some((name, _)) = line.split_once(" = ")
-            && !name.contains('#')
+        } else if let Some((name, _)) = key_line.split_once(" = ")
+            && !name.contains(['#', ' '])
         {
-            value_of(section.key(name)).map(|value| with_value(line, name, value))
+            let given = left.iter().position(|(key, _)| *key == section.key(name));
+            let given = given.map(|found| with_value(line, name, &left.remove(found).1));
+            given.or_else(|| line.starts_with('#').then(|| line.to_owned()))
         } else {
+            if line.is_empty() {
+                for (key, value) in left.extract_if(.., |(key, _)| section.key(key.name()) == *key)
+                {
+                    text += &format!("{} = {value}\n", key.name());
+                }
+            }
             Some(line.to_owned())
         };
         text += &filled.unwrap_or_else(|| format!("# {line}"));
@@ -65,15 +72,14 @@ fn between(line: &'static str, open: &str, close: &str) -> Option<&'static str> 
     Some(line.strip_prefix(open)?.split_once(close)?.0)
 }
 
-/// The line with another value; its comment stays in the same column if there is room.
+/// The line, or the line that is a comment, with another value; its comment stays in the same column if there is room.
 fn with_value(line: &str, name: &str, value: &str) -> String {
     let filled = format!("{name} = {value}");
-    match line.split_once('#') {
+    match line.rsplit_once(" # ") {
         None => filled,
         Some((before, comment)) => {
-            let column = before.chars().count();
-            let room = column.saturating_sub(2);
-            format!("{filled:<room$}  #{comment}")
+            let room = before.chars().count().saturating_sub(1);
+            format!("{filled:<room$}  # {comment}")
         }
     }
 }

@@ -1,7 +1,7 @@
 //! `fivebar new`: a robot file for the user's own arm.
 
 use super::failure::{Failure, refused};
-use super::questions::{ARM, Question, asks_for_own_motor, motor};
+use super::questions::{ARM, Question, about_drives, about_motors};
 use super::say::{hint, leave_output_to, say, warn};
 use fivebar_files::robot::{BuiltIn, Draft};
 use fivebar_report::output::{STANDARD_OUTPUT, write_new};
@@ -88,10 +88,11 @@ fn interview(draft: &mut Draft, input: &mut impl BufRead) -> Result<(), Failure>
     for question in &ARM {
         last = ask(question, draft, input)?;
     }
-    if asks_for_own_motor(&last) {
-        for question in &motor() {
-            ask(question, draft, input)?;
-        }
+    for question in &about_motors(&draft.motors, &last) {
+        ask(question, draft, input)?;
+    }
+    for question in &about_drives(&draft.motors) {
+        ask(question, draft, input)?;
     }
     Ok(())
 }

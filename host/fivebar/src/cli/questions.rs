@@ -1,6 +1,6 @@
 //! The questions of `fivebar new`, and the reading of their answers.
 
-use fivebar_files::robot::{Draft, Motor};
+use fivebar_files::robot::{CanMotor, CanProtocol, Draft, Motor, Motors, StepperMotor};
 use fivebar_firmware::settings::AxisField;
 use std::borrow::Cow;
 use std::str::FromStr;
@@ -104,35 +104,210 @@ pub(super) const ARM: [Question; 10] = [
         },
     },
     Question {
-        text: Cow::Borrowed("Motors: typical (20 W), own (your data), or ideal torque sources"),
-        default: |_| "typical".into(),
+        text: Cow::Borrowed(
+            "Motors: typical (brushed, 20 W), own (brushed, your data), stepper, can (torque drives on a CAN bus), or ideal \
+             torque sources",
+        ),
+        default: |_| KINDS[0].into(),
         take: |draft, answer| {
-            draft.motor = match choice(answer, ["typical", "own", "ideal"])? {
-                2 => None,
-                _ => Some(Motor::TYPICAL),
+            draft.motors = match choice(answer, KINDS)? {
+                0 | 1 => Motors::Brushed(Motor::TYPICAL),
+                2 => Motors::Steppers(StepperMotor::TYPICAL),
+                3 => Motors::CanDrives(CanMotor::TYPICAL),
+                _ => Motors::Ideal,
             };
             Ok(())
         },
     },
 ];
 
-/// Whether the answer to the last question of the arm asks for the questions of [`motor`].
-pub(super) fn asks_for_own_motor(answer: &str) -> bool {
+/// The answers to the last question of the arm.
+const KINDS: [&str; 5] = ["typical", "own", "stepper", "can", "ideal"];
+
+/// The questions that follow the last answer about the arm.
+pub(super) fn about_motors(motors: &Motors, answer: &str) -> Vec<Question> {
+    match motors {
+        Motors::Brushed(_) if asks_for_own(answer) => brushed(),
+        Motors::Steppers(_) => steppers(),
+        Motors::CanDrives(_) => vec![PROTOCOL],
+        Motors::Brushed(_) | Motors::Ideal => Vec::new(),
+    }
+}
+
+/// The questions that follow the one about a protocol.
+pub(super) fn about_drives(motors: &Motors) -> Vec<Question> {
+    let Motors::CanDrives(motor) = motors else {
+        return Vec::new();
+    };
+    let mut questions = can_drives();
+    if motor.protocol != CanProtocol::Odrive {
+        // The ranges first: they are checked against the torque and the speed.
+        questions.splice(0..0, ranges());
+    }
+    questions
+}
+
+fn asks_for_own(answer: &str) -> bool {
     choice(answer, ["own"]).is_ok()
 }
 
+/// A question about a field of a motor.
 macro_rules! of_motor {
-    ($key:ident, $field:ident) => {
+    (@ $kind:ident, $field:ident, $text:expr, $unit:expr) => {
         Question {
-            text: asked(AxisField::$key),
-            default: |draft| match &draft.motor {
-                Some(motor) => shown(motor.$field),
-                None => String::new(),
+            text: $text,
+            default: |draft| match &draft.motors {
+                Motors::$kind(motor) => shown(motor.$field),
+                _ => String::new(),
             },
             take: |draft, answer| {
-                let value = of_type(quantity(answer, AxisField::$key.row().unit)?, answer)?;
-                if let Some(motor) = &mut draft.motor {
+                let value = of_type(quantity(answer, $unit)?, answer)?;
+                if let Motors::$kind(motor) = &mut draft.motors {
                     motor.$field = value;
+                }
+                Ok(())
+            },
+        }
+    };
+    ($kind:ident, $field:ident = $key:ident) => {
+        of_motor!(
+            @ $kind,
+            $field,
+            asked(AxisField::$key),
+            AxisField::$key.row().unit
+        )
+    };
+    ($kind:ident, $field:ident, $text:literal) => {
+        of_motor!(@ $kind, $field, Cow::Borrowed($text), "")
+    };
+    ($kind:ident, $field:ident, $text:literal, [$unit:literal]) => {
+        of_motor!(
+            @ $kind,
+            $field,
+            Cow::Borrowed(concat!($text, " [", $unit, "]")),
+            $unit
+        )
+    };
+}
+
+fn brushed() -> Vec<Question> {
+    vec![
+        of_motor!(Brushed, gear_ratio = GearRatio),
+        of_motor!(Brushed, rotor_inertia = RotorInertia),
+        of_motor!(Brushed, torque_constant = TorqueConstant),
+        of_motor!(Brushed, resistance = Resistance),
+        of_motor!(Brushed, inductance = Inductance),
+        of_motor!(Brushed, encoder_counts = EncoderCounts),
+        of_motor!(Brushed, peak_current = PeakCurrent),
+        of_motor!(Brushed, continuous_current = ContinuousCurrent),
+        of_motor!(Brushed, thermal_time_constant = ThermalTimeConstant),
+    ]
+}
+
+fn steppers() -> Vec<Question> {
+    vec![
+        of_motor!(Steppers, gear_ratio = GearRatio),
+        of_motor!(Steppers, steps_per_turn, "Full steps per motor turn"),
+        of_motor!(Steppers, microsteps, "Micro-steps per full step"),
+        of_motor!(
+            Steppers,
+            holding_torque,
+            "Holding torque at the motor shaft",
+            ["N·m"]
+        ),
+        of_motor!(Steppers, rated_current, "Rated current of a winding", ["A"]),
+        of_motor!(Steppers, resistance, "Resistance of a winding", ["Ω"]),
+        of_motor!(Steppers, inductance, "Inductance of a winding", ["H"]),
+        of_motor!(Steppers, rotor_inertia = RotorInertia),
+    ]
+}
+
+/// The question about the protocol of drives on a CAN bus.
+const PROTOCOL: Question = Question {
+    text: Cow::Borrowed("Protocol of the drives: odrive, or mit (T-Motor, CubeMars, Damiao)"),
+    default: |_| PROTOCOLS[0].into(),
+    take: |draft, answer| {
+        draft.motors = Motors::CanDrives(match choice(answer, PROTOCOLS)? {
+            0 => CanMotor::TYPICAL,
+            _ => CanMotor::TYPICAL_MIT,
+        });
+        Ok(())
+    },
+};
+
+/// Its answers.
+const PROTOCOLS: [&str; 2] = ["odrive", "mit"];
+
+fn can_drives() -> Vec<Question> {
+    vec![
+        Question {
+            text: Cow::Borrowed("Numbers of both drives on the bus"),
+            default: |draft| match &draft.motors {
+                Motors::CanDrives(motor) => both(motor.nodes.map(f64::from)),
+                _ => String::new(),
+            },
+            take: |draft, answer| {
+                // Nodes have no decimals, so every comma is between two.
+                let both = answer.replace(',', ", ");
+                let [first, second] = pair(&both, |answer| quantity(answer, ""))?;
+                let nodes = [of_type(first, answer)?, of_type(second, answer)?];
+                if let Motors::CanDrives(motor) = &mut draft.motors {
+                    motor.nodes = nodes;
+                }
+                Ok(())
+            },
+        },
+        of_motor!(
+            CanDrives,
+            gear_ratio,
+            "Turns of the drive's shaft per joint turn; negative if it reverses"
+        ),
+        of_motor!(
+            CanDrives,
+            rotor_inertia,
+            "Rotor inertia at the drive's shaft",
+            ["kg·m²"]
+        ),
+        of_motor!(
+            CanDrives,
+            peak_torque,
+            "Peak torque at the drive's shaft",
+            ["N·m"]
+        ),
+        of_motor!(
+            CanDrives,
+            continuous_torque,
+            "Continuous torque at the drive's shaft",
+            ["N·m"]
+        ),
+        of_motor!(
+            CanDrives,
+            max_speed,
+            "Greatest speed of the drive's shaft",
+            ["rad/s"]
+        ),
+    ]
+}
+
+macro_rules! range {
+    ($field:ident, $text:literal, $unit:literal) => {
+        Question {
+            text: Cow::Borrowed(concat!($text, ", plus and minus [", $unit, "]")),
+            default: |draft| match &draft.motors {
+                Motors::CanDrives(CanMotor {
+                    protocol: CanProtocol::Mit { $field, .. },
+                    ..
+                }) => shown(*$field),
+                _ => String::new(),
+            },
+            take: |draft, answer| {
+                let value = quantity(answer, $unit)?;
+                if let Motors::CanDrives(CanMotor {
+                    protocol: CanProtocol::Mit { $field, .. },
+                    ..
+                }) = &mut draft.motors
+                {
+                    *$field = value;
                 }
                 Ok(())
             },
@@ -140,18 +315,11 @@ macro_rules! of_motor {
     };
 }
 
-/// The questions about the motor; both joints have the same motor.
-pub(super) fn motor() -> [Question; 9] {
+fn ranges() -> [Question; 3] {
     [
-        of_motor!(GearRatio, gear_ratio),
-        of_motor!(RotorInertia, rotor_inertia),
-        of_motor!(TorqueConstant, torque_constant),
-        of_motor!(Resistance, resistance),
-        of_motor!(Inductance, inductance),
-        of_motor!(EncoderCounts, encoder_counts),
-        of_motor!(PeakCurrent, peak_current),
-        of_motor!(ContinuousCurrent, continuous_current),
-        of_motor!(ThermalTimeConstant, thermal_time_constant),
+        range!(position_range, "Positions that the frames hold", "rad"),
+        range!(velocity_range, "Speeds that the frames hold", "rad/s"),
+        range!(torque_range, "Torques that the frames hold", "N·m"),
     ]
 }
 

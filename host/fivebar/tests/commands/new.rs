@@ -1,6 +1,6 @@
 //! The command `fivebar new` and the robot files that it writes.
 
-use fivebar_files::robot::{Draft, Robot};
+use fivebar_files::robot::{CanMotor, Draft, Motors, Robot, StepperMotor};
 use proptest::prelude::*;
 use std::io::Write;
 use std::path::Path;
@@ -238,6 +238,84 @@ fn an_arm_that_cannot_draw_is_reported_with_the_reason_of_its_run() {
     }
 }
 
+/// The figures of the petal on the arm of these answers.
+fn petal_of(answers: &[&str]) -> (Robot, serde_json::Value) {
+    let folder = tempfile::tempdir().unwrap();
+    let output = new(folder.path(), &[], &(answers.join("\n") + "\n"));
+    let message = message(&output);
+    assert!(output.status.success(), "{message}");
+    assert!(!message.contains("Not valid"), "{message}");
+    let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        .args(["sim", PETAL, "--robot", "arm.toml", "--json"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(
+        run.status.success(),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+    (
+        load(folder.path()),
+        serde_json::from_slice(&run.stdout).unwrap(),
+    )
+}
+
+/// The answers before those about the motors: all defaults.
+const ARM: [&str; 9] = [""; 9];
+
+#[test]
+fn steppers_of_own_data_draw_without_losing_a_step() {
+    // Gear, full steps, micro-steps, holding torque, current, resistance, inductance, rotor inertia.
+    let motor = ["-5", "400", "8", "0,3", "1.2A", "2.4", "4 mH", "3.5e-6"];
+    let (robot, figures) = petal_of(&[&ARM[..], &["stepper"], &motor].concat());
+    let [stepper, other] = robot.steppers().unwrap();
+    assert_eq!(stepper, other);
+    assert_eq!((stepper.gear_ratio, stepper.microsteps), (-5.0, 8));
+    assert_eq!(figures["lost_steps"], serde_json::json!([0, 0]));
+    let rms = figures["tip_error"]["rms_m"].as_f64().unwrap();
+    assert!(rms < 1e-4, "{rms} m");
+}
+
+#[test]
+fn motors_that_are_too_slow_for_the_usual_speed_lower_it() {
+    let mut draft = Draft::new("slow");
+    let usual = draft.check().unwrap().limits.max_speed;
+    let stepper = StepperMotor::TYPICAL;
+    draft.motors = Motors::Steppers(stepper.clone());
+    assert_eq!(draft.check().unwrap().limits.max_speed, usual);
+    for motors in [
+        Motors::Steppers(StepperMotor {
+            gear_ratio: 40.0,
+            ..stepper.clone()
+        }),
+        Motors::Steppers(StepperMotor {
+            microsteps: 256,
+            ..stepper
+        }),
+        Motors::CanDrives(CanMotor {
+            max_speed: 10.0,
+            ..CanMotor::TYPICAL_MIT
+        }),
+    ] {
+        draft.motors = motors;
+        let speeds = draft.check().unwrap().limits.max_speed;
+        assert!(speeds[0] < usual[0] && speeds[0] == speeds[1], "{speeds:?}");
+    }
+}
+
+#[test]
+fn drives_on_a_can_bus_draw_in_both_protocols() {
+    for drives in [["odrive"].as_slice(), &["mit", "", "", "", "3, 4"]] {
+        let blank = vec![""; 10];
+        let (robot, figures) = petal_of(&[&ARM[..], &["can"], drives, &blank].concat());
+        let nodes = robot.can_drives().unwrap().map(|drive| drive.node);
+        assert_eq!(nodes, if drives.len() == 1 { [1, 2] } else { [3, 4] });
+        let rms = figures["tip_error"]["rms_m"].as_f64().unwrap();
+        assert!(rms < 1e-3, "{drives:?}: {rms} m");
+    }
+}
+
 #[test]
 fn an_existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
@@ -362,7 +440,7 @@ proptest! {
         draft.coupler_masses = [masses[2], masses[3]];
         draft.payload = payload;
         if !driven {
-            draft.motor = None;
+            draft.motors = Motors::Ideal;
         }
         // Many random lengths cannot be assembled; most can.
         let checked = draft.check();

@@ -1,7 +1,7 @@
 //! A synthesis as JSON, and its designs as robot files.
 
 use fivebar_design::synthesis::{Design, Proof, Synthesis};
-use fivebar_files::robot::{Draft, DraftError};
+use fivebar_files::robot::{Draft, DraftError, Motors};
 use serde_json::{Value, json};
 
 /// One JSON object. `unproved_at` is where the proof of the best design ended, else `null`.
@@ -44,7 +44,7 @@ pub fn robot_file(name: &str, design: &Design) -> Result<String, DraftError> {
     draft.set_cranks([l1, l4]);
     draft.set_couplers([l2, l3]);
     if draft.check().is_err() {
-        draft.motor = None;
+        draft.motors = Motors::Ideal;
         draft.check()?;
     }
     Ok(draft.text())
