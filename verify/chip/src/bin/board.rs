@@ -4,15 +4,16 @@
 //! `board [image] [robot]` prints the terminal's path and runs, at the speed of real time or as
 //! fast as this machine allows, until it is interrupted. Lines of its input tell a hand at the arm
 //! what to do (`Hand::execute`); it prints `done` when the hand has done it. With `bare` in place of the robot
-//! the board has no bridges and no arm, and the lines are the tasks of `fivebar board-test`.
+//! the board has no bridges and no arm, and the lines are the tasks of `fivebar board-test`. A robot with steppers needs
+//! the image `stm32f405_stepper`.
 
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{
-    Arm, BareBoard, Chip, HAND_TIME, Hand, Image, Options, SharedArm, SharedBareBoard, Wiring,
+    Arm, BareBoard, Chip, HAND_TIME, Hand, Image, Options, SharedArm, SharedBareBoard,
+    SharedStepperArm, StepperArm, Wiring,
 };
 use fivebar_files::robot::{BuiltIn, Robot};
-use fivebar_plant::Mismatch;
-use fivebar_plant::Plant;
+use fivebar_plant::{Mismatch, Plant, StepperPlant};
 use std::error::Error;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fs::File;
@@ -91,7 +92,11 @@ fn run() -> Result<(), Box<dyn Error>> {
         "bare" => bare(),
         robot => with_arm(Robot::load(robot)?)?,
     };
-    let chip = Chip::new(image, Options::default(), Vec::new(), wiring);
+    let options = Options {
+        steppers: matches!(world, World::Steppers(_)),
+        ..Options::default()
+    };
+    let chip = Chip::new(image, options, Vec::new(), wiring);
     let chip = chip.map_err(|error| format!("the CPU emulator fails: {error:?}"))?;
     let (line, path) = terminal()?;
     println!("{}", path.display());
@@ -101,6 +106,7 @@ fn run() -> Result<(), Box<dyn Error>> {
 /// What is at the chip's pins, and what a hand can do there.
 enum World {
     Arm(SharedArm, Box<Hand>),
+    Steppers(SharedStepperArm),
     Bare(SharedBareBoard),
 }
 
@@ -115,6 +121,7 @@ impl World {
     fn execute(&mut self, order: &str) -> Result<(), String> {
         match self {
             Self::Arm(arm, hand) => hand.execute(&mut arm.get(), order),
+            Self::Steppers(arm) => arm.get().execute(order),
             Self::Bare(board) if board.execute(order) => Ok(()),
             Self::Bare(_) => Err(format!("no hand can do this at a bare board: {order}")),
         }
@@ -131,7 +138,13 @@ fn with_arm(robot: Robot) -> Result<(World, Box<dyn Wiring>), Box<dyn Error>> {
     let axes = robot.settings()?.axes;
     let before = axes.map(|axis| if axis.home_forward { -0.03 } else { 0.03 });
     let pose = robot.pose_near_home(before)?;
-    let plant = Plant::new(&robot.plant_parameters()?, &Mismatch::default(), &pose, 1);
+    let (parameters, exact) = (robot.plant_parameters()?, Mismatch::default());
+    if let Some(motors) = robot.steppers() {
+        let plant = StepperPlant::new(&parameters, &motors, &exact, &pose, 1);
+        let arm = SharedStepperArm::new(StepperArm::new(plant));
+        return Ok((World::Steppers(arm.clone()), Box::new(arm)));
+    }
+    let plant = Plant::new(&parameters, &exact, &pose, 1);
     let arm = SharedArm::new(Arm::new(plant.with_resolved_windings(), MILLISECOND));
     Ok((
         World::Arm(arm.clone(), Box::new(Hand::new(robot))),
