@@ -4,9 +4,12 @@
 //! and names of sides belong to the Python half (`package/fivebar`), which also documents the
 //! interface.
 
+mod accuracy;
 mod batch;
 mod dynamics;
 mod error;
+mod measured;
+mod mechanism;
 mod motion;
 mod positions;
 mod robot;
@@ -18,7 +21,13 @@ mod study;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
+    use super::accuracy::{accuracy, accuracy_along, accuracy_map_of};
+    #[pymodule_export]
     use super::dynamics::{forward_dynamics, inverse_dynamics};
+    #[pymodule_export]
+    use super::measured::{calibrate, calibration_poses, excitations, identify, identify_payload};
+    #[pymodule_export]
+    use super::mechanism::{export, linkage, mobility};
     #[pymodule_export]
     use super::motion::{inverse_motion, motion};
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! The robot, as Python holds it.
 
 use crate::error;
-use fivebar_files::robot::{BUILT_IN, Robot as Described};
+use fivebar_files::robot::{BUILT_IN, Robot as Described, text_of};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use pyo3::prelude::*;
 
@@ -9,6 +9,9 @@ use pyo3::prelude::*;
 #[pyclass(frozen, module = "fivebar._native")]
 pub(crate) struct Robot {
     pub(crate) described: Described,
+    /// Its file's name and text.
+    pub(crate) file: String,
+    pub(crate) text: String,
 }
 
 impl Robot {
@@ -22,9 +25,9 @@ impl Robot {
     /// A built-in robot, or else a file.
     #[staticmethod]
     pub(crate) fn load(py: Python<'_>, name_or_path: &str) -> PyResult<Self> {
-        let described = Described::load(name_or_path);
-        let described = described.map_err(|refusal| error::file(py, &refusal))?;
-        Ok(Self { described })
+        let text = text_of(name_or_path);
+        let text = text.map_err(|refusal| error::file(py, &refusal))?;
+        Self::parse(py, name_or_path, &text)
     }
 
     /// The robot that `text` describes; `file` is the file's name in errors.
@@ -32,7 +35,11 @@ impl Robot {
     fn parse(py: Python<'_>, file: &str, text: &str) -> PyResult<Self> {
         let described = Described::parse(file, text);
         let described = described.map_err(|refusal| error::file(py, &refusal))?;
-        Ok(Self { described })
+        Ok(Self {
+            described,
+            file: file.into(),
+            text: text.into(),
+        })
     }
 
     #[getter]

@@ -97,3 +97,105 @@ def test_an_arm_is_made_from_its_lengths():
         fivebar.Arm(l1=-0.1, l2=0.2, base=0.1)
     with pytest.raises(TypeError):
         fivebar.Arm([0.1, 0.2, 0.2, 0.1, 0.1])
+@pytest.mark.parametrize("name", ["benchtop", "usp_2dof"])
+def test_accuracies_are_those_of_the_program(program, tmp_path, name):
+    arm = fivebar.Arm.load(name)
+    place = arm.forward(arm.home).c
+    at = f"--at={place[0]},{place[1]}"
+    expected = answer(program, "accuracy", name, at, "--force", "1,2", "--samples", "500")
+    assert arm.accuracy(place, force=(1, 2), samples=500) == expected
+
+
+def test_accuracies_over_a_region_and_along_a_job_are_those_of_the_program(program, arm, tmp_path):
+    region = (0.02, 0.15, 0.06, 0.2)
+    expected = answer(program, "accuracy", "benchtop", "--map", "--region=0.02,0.15,0.06,0.2")
+    assert arm.accuracy_map(region=region) == expected
+    job = tmp_path / "job.gcode"
+    job.write_text("G1 X10 F3000\nG1 Y5\n")
+    for more, given in (([], {}), (["--origin=30mm,200mm"], {"origin": (0.03, 0.2)})):
+        expected = answer(program, "accuracy", "benchtop", "--path", job, *more)
+        assert arm.accuracy_along(job, **given) == expected
+    with pytest.raises(fivebar.FivebarError, match="samples must be 2 or more"):
+        arm.accuracy((0.04, 0.2), samples=1)
+    with pytest.raises(fivebar.FivebarError, match="at must be two finite numbers"):
+        arm.accuracy((0.04, np.nan))
+
+
+@pytest.mark.parametrize("name", ["four_bar", "scotch_yoke", "shaper"])
+def test_linkages_are_those_of_the_program(program, tmp_path, name):
+    path = FILES / f"linkages/{name}.toml"
+    expected = answer(program, "linkage", name, "--out", tmp_path)
+    for source in (name, path, path.read_text(encoding="utf-8")):
+        assert fivebar.linkage(source) == expected
+    with pytest.raises(fivebar.StudyError, match="neither a built-in example"):
+        fivebar.linkage("five_bat")
+
+
+@pytest.mark.parametrize("name", ["delta", "stewart", "five-bar"])
+def test_mobilities_are_those_of_the_program(program, name):
+    path = FILES / f"mobility/{name}.toml"
+    for source in (name, path, path.read_text(encoding="utf-8")):
+        assert fivebar.mobility(source) == [answer(program, "mobility", name)]
+    with pytest.raises(fivebar.StudyError):
+        fivebar.mobility("delts")
+
+
+@pytest.mark.parametrize("name", fivebar.built_in())
+def test_exports_are_those_of_the_program(program, name):
+    arm = fivebar.Arm.load(name)
+    for form in ("mjcf", "urdf", "dot"):
+        done = subprocess.run([program, "export", form, name], capture_output=True, check=False)
+        if done.returncode == 0:
+            assert arm.export(form) == done.stdout.decode()
+        else:
+            with pytest.raises(fivebar.RobotError):
+                arm.export(form)
+    with pytest.raises(fivebar.FivebarError, match="format must be"):
+        arm.export("step")
+
+
+def table(name):
+    return np.genfromtxt(FILES / f"measurements/{name}.csv", delimiter=",", skip_header=1)
+
+
+def test_calibrations_are_those_of_the_program(program, arm, tmp_path):
+    files = {name: FILES / f"measurements/benchtop_{name}.csv"
+             for name in ("holes", "bars", "unknown_holes", "photo")}
+    options = {"points": files["holes"], "bars": files["bars"], "holes": files["unknown_holes"],
+               "photo": files["photo"]}
+    tables = {name: table(path.stem) for name, path in options.items()}
+    photo = tables.pop("photo")
+    for names in (["points"], ["points", "bars"], ["points", "bars", "holes", "photo"]):
+        given = [part for name in names for part in (f"--{name}", options[name])]
+        out = tmp_path / f"{len(names)}.toml"
+        expected = answer(program, "calibrate", *given, "--out", out)
+        photos = [photo] if "photo" in names else []
+        chosen = {name: value for name, value in tables.items() if name in names}
+        found = arm.calibrate(**chosen, photos=photos)
+        assert found.figures == expected
+        assert found.robot_toml == out.read_text(encoding="utf-8")
+    lengths = fivebar.Arm.from_toml(found.robot_toml).lengths
+    assert np.allclose(lengths, found.figures["link_lengths"], atol=1e-9)
+    with pytest.raises(fivebar.StudyError):
+        arm.calibrate(tables["points"][:2])
+    with pytest.raises(fivebar.FivebarError, match="rows with the columns counts1"):
+        arm.calibrate(tables["bars"])
+    expected = answer(program, "calibrate", "--propose", "8")
+    assert arm.calibration_poses(8) == expected
+
+
+def test_identifications_are_those_of_the_program(program, arm, tmp_path):
+    logs = [tmp_path / "first.csv", tmp_path / "second.csv"]
+    excitations = answer(program, "identify", "--simulate", logs[0])
+    assert arm.excitations() == excitations
+    answer(program, "identify", "--simulate", logs[1], "--second")
+    first, second = (np.genfromtxt(log, delimiter=",", skip_header=1)[:, :5] for log in logs)
+    out = tmp_path / "out.toml"
+    expected = answer(program, "identify", "--log", logs[0], "--validate", logs[1], "--out", out)
+    found = arm.identify(first, validate=second)
+    assert found.figures == expected
+    assert found.robot_toml == out.read_text(encoding="utf-8")
+    expected = answer(program, "identify", "--log", logs[0], "--payload")
+    assert arm.identify_payload(first).figures == expected
+    with pytest.raises(fivebar.RobotError):
+        fivebar.Arm.load("benchtop_stepper").excitations()

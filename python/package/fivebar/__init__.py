@@ -23,6 +23,8 @@ from ._errors import (
     StudyError,
     UnreachableError,
 )
+from ._measured import Found
+from ._mechanisms import linkage, mobility
 from ._results import (
     Forward,
     ForwardDynamics,
@@ -43,6 +45,7 @@ __all__ = [
     "FivebarError",
     "Forward",
     "ForwardDynamics",
+    "Found",
     "InvalidError",
     "Inverse",
     "InverseDynamics",
@@ -63,6 +66,8 @@ __all__ = [
     "UnreachableError",
     "built_in",
     "design",
+    "linkage",
+    "mobility",
     "simulate",
 ]
 

@@ -9,7 +9,8 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _native, _studies
+from . import _native
+from ._arm_studies import ArmStudies
 from ._errors import FivebarError, RobotError
 from ._results import (
     Forward,
@@ -25,7 +26,7 @@ from ._simulation import Mismatch, Run, run
 from ._status import Side
 
 
-class Arm:
+class Arm(ArmStudies):
     """A planar five-bar arm, from its lengths, or by :meth:`load`, :meth:`from_file`, :meth:`from_toml`.
 
     >>> import fivebar
@@ -418,48 +419,6 @@ class Arm:
         True
         """
         return run(self._robot, job, origin, scale, seed, computed_torque, mismatch)
-
-    def workspace(self, resolution: Optional[float] = None) -> Dict[str, Any]:
-        """Areas and the largest clear rectangle of every branch: ``fivebar workspace --json``.
-
-        resolution: side of a cell [m]; by default it suits the arm's size. The units are in the
-        keys. Raises :class:`fivebar.RobotError`.
-
-        >>> len(Arm.load("benchtop").workspace()["branches"])
-        8
-        """
-        return _studies.workspace(self._robot, resolution)
-
-    def margins(self) -> Dict[str, Any]:
-        """The margins of the position loop over the workspace: ``fivebar margins --json``.
-
-        Raises :class:`fivebar.RobotError` if the robot has no masses, no motors with currents or
-        no pose. Where the loop is unstable the margins are None.
-
-        >>> Arm.load("benchtop").margins()["modulus_margin"] > 0.5
-        True
-        """
-        return _studies.margins(self._robot)
-
-    def plan(
-        self,
-        path: Union[_studies.Source, Mapping[str, Any]],
-        *,
-        torque_share: float = 1.0,
-        jerk: Optional[float] = None,
-    ) -> Dict[str, Any]:
-        """A time-optimal plan along a path: ``fivebar plan --path --json``.
-
-        path: the JSON of a path file, as text, as a dictionary, or as the ``pathlib.Path`` of a
-        file; docs/design/time-optimal.md describes it. torque_share: share of the torque limits, in
-        (0, 1]. jerk: the greatest joint jerk [rad/s³]. The path's own robot is not looked at.
-        Raises :class:`fivebar.StudyError`.
-        """
-        if not 0.0 < torque_share <= 1.0:
-            raise FivebarError(f"torque_share must be in (0, 1], not {torque_share!r}")
-        if jerk is not None and not (jerk > 0.0 and np.isfinite(jerk)):
-            raise FivebarError(f"jerk must be a positive finite number, not {jerk!r}")
-        return _studies.plan(self._robot, path, torque_share, jerk)
 
     def _ask(
         self,

@@ -7,19 +7,31 @@ from numpy.typing import NDArray
 
 _Numbers = NDArray[np.float64]
 _Signs = NDArray[np.int8]
+_Rows = Sequence[Sequence[float]]
 _Answer = Tuple[List[_Numbers], NDArray[np.uint8]]
 
 __all__ = [
     "Robot",
     "Scenario",
+    "accuracy",
+    "accuracy_along",
+    "accuracy_map_of",
     "built_in",
+    "calibrate",
+    "calibration_poses",
     "design",
+    "excitations",
+    "export",
     "forward",
     "forward_dynamics",
+    "identify",
+    "identify_payload",
     "inverse",
     "inverse_dynamics",
     "inverse_motion",
+    "linkage",
     "margins",
+    "mobility",
     "mode_change",
     "motion",
     "plan",
@@ -113,3 +125,35 @@ def plan(
     robot: Robot, file: str, text: str, torque_share: float, jerk: Optional[float]
 ) -> str: ...
 def design(file: str, text: str, folder: str, seed: int) -> Tuple[str, str]: ...
+def accuracy(
+    robot: Robot, state: Sequence[Sequence[float]], samples: int, seed: int
+) -> str: ...
+def accuracy_map_of(
+    robot: Robot, region: Optional[Sequence[float]], force: Sequence[float]
+) -> str: ...
+def accuracy_along(
+    robot: Robot,
+    file: str,
+    text: str,
+    origin: Optional[Sequence[float]],
+    scale: float,
+    force: Sequence[float],
+) -> str: ...
+def calibrate(
+    robot: Robot,
+    points: _Rows,
+    bars: _Rows,
+    holes: _Rows,
+    photos: Sequence[_Rows],
+    sigmas: Sequence[float],
+    plain: bool,
+) -> Tuple[str, str, List[str]]: ...
+def calibration_poses(robot: Robot, count: int, sigma: float) -> str: ...
+def identify(
+    robot: Robot, log: _Rows, second: Optional[_Rows]
+) -> Tuple[str, str, List[str]]: ...
+def identify_payload(robot: Robot, log: _Rows) -> Tuple[str, str, List[str]]: ...
+def excitations(robot: Robot) -> str: ...
+def linkage(file: str, text: Optional[str]) -> str: ...
+def mobility(file: str, text: str) -> List[str]: ...
+def export(robot: Robot, format: str) -> Optional[str]: ...

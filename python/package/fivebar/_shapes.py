@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Tuple, Union
+from typing import Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._errors import FivebarError
 from ._status import ERRORS, Side, Status
 
 Floats = NDArray[np.float64]
@@ -26,6 +27,29 @@ def pairs(name: str, value: ArrayLike) -> Floats:
     if array.ndim == 0 or array.shape[-1] != 2:
         raise ValueError(f"{name} must have a last axis of length 2, not shape {array.shape}")
     return array.astype(np.float64, copy=False)
+
+
+def pair(name: str, value: ArrayLike) -> List[float]:
+    """One pair of finite numbers."""
+    array = pairs(name, value)
+    if array.shape != (2,) or not np.all(np.isfinite(array)):
+        raise FivebarError(f"{name} must be two finite numbers, not {value!r}")
+    return [float(number) for number in array]
+
+
+def rows(name: str, value: Optional[ArrayLike], columns: Sequence[str]) -> List[List[float]]:
+    """A table of finite numbers with these columns; None has no rows."""
+    if value is None:
+        return []
+    array = np.asarray(value, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != len(columns):
+        wanted = f"rows with the columns {', '.join(columns)}"
+        raise FivebarError(f"{name} must be {wanted}, not of shape {array.shape}")
+    if not np.all(np.isfinite(array)):
+        row = int(np.argmin(np.isfinite(array).all(axis=1)))
+        raise FivebarError(f"{name} must hold finite numbers; row {row} does not")
+    table: List[List[float]] = array.tolist()
+    return table
 
 
 def sides(name: str, value: SideLike) -> Signs:

@@ -2,15 +2,16 @@
 
 use super::value_error::ValueError;
 
-/// Metres per unit.
-const UNITS: [(&str, f64); 7] = [
-    ("um", 1e-6),
-    ("µm", 1e-6),
-    ("mm", 1e-3),
-    ("cm", 1e-2),
-    ("in", 25.4e-3),
-    ("\"", 25.4e-3),
-    ("m", 1.0),
+/// Units, each with its name, a factor, and how many of its products with the number make a metre: a division by a power
+/// of ten is exact to the last bit, where a product with 1e-6 is not.
+const UNITS: [(&str, f64, f64); 7] = [
+    ("um", 1.0, 1e6),
+    ("µm", 1.0, 1e6),
+    ("mm", 1.0, 1e3),
+    ("cm", 1.0, 1e2),
+    ("in", 25.4, 1e3),
+    ("\"", 25.4, 1e3),
+    ("m", 1.0, 1.0),
 ];
 
 /// A length [m]: `30mm`, `1.5in`, or `0.03` in metres.
@@ -18,10 +19,10 @@ pub(super) fn length(text: &str) -> Result<f64, ValueError> {
     let text = text.trim();
     let found = UNITS
         .iter()
-        .find_map(|(unit, metres)| Some((text.strip_suffix(unit)?, *metres)));
-    let (number, metres) = found.unwrap_or((text, 1.0));
+        .find_map(|&(unit, factor, per_metre)| Some((text.strip_suffix(unit)?, factor, per_metre)));
+    let (number, factor, per_metre) = found.unwrap_or((text, 1.0, 1.0));
     let number: Option<f64> = number.trim_end().parse().ok();
-    let length = number.map(|number| number * metres);
+    let length = number.map(|number| number * factor / per_metre);
     length
         .filter(|length| length.is_finite())
         .ok_or(ValueError::Length)
@@ -72,14 +73,16 @@ mod tests {
             ("30mm", 0.03),
             (" 30 mm ", 0.03),
             ("-2.5cm", -0.025),
-            ("1.5in", 0.0381),
             ("1e-3m", 1e-3),
             ("50um", 5e-5),
+            ("20um", 20e-6),
+            ("70um", 70e-6),
             ("50µm", 5e-5),
         ] {
             let found = length(text).unwrap();
-            assert!((found - metres).abs() < 1e-15, "{text}: {found} m");
+            assert_eq!(found, metres, "{text}");
         }
+        assert!((length("1.5in").unwrap() - 0.0381).abs() < 1e-17);
         for wrong in ["", "mm", "3 miles", "1,5mm", "nan", "inf", "3mmm"] {
             assert!(length(wrong).is_err(), "{wrong}");
         }

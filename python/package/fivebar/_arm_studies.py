@@ -1,0 +1,205 @@
+"""What is studied of an arm: the answers of the program's commands."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Dict, Mapping, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _measured, _native, _studies
+from ._errors import FivebarError
+from ._measured import Found
+from ._shapes import pair, rows
+
+#: The columns of tables of measurements.
+POINTS = ("counts1", "counts4", "x", "y")
+BARS = ("from1", "from4", "to1", "to4", "length")
+HOLES = ("hole", "counts1", "counts4")
+PHOTO = ("counts1", "counts4", "u", "v")
+LOG = ("time_s", "theta1_rad", "theta4_rad", "current1_a", "current4_a")
+
+
+class ArmStudies:
+    """The studies of :class:`fivebar.Arm`."""
+
+    _robot: _native.Robot
+
+    def workspace(self, resolution: Optional[float] = None) -> Dict[str, Any]:
+        """Areas and the largest clear rectangle of every branch: ``fivebar workspace --json``.
+
+        resolution: side of a cell [m]; by default it suits the arm's size. The units are in the
+        keys. Raises :class:`fivebar.RobotError`.
+
+        >>> len(Arm.load("benchtop").workspace()["branches"])
+        8
+        """
+        return _studies.workspace(self._robot, resolution)
+
+    def margins(self) -> Dict[str, Any]:
+        """The margins of the position loop over the workspace: ``fivebar margins --json``.
+
+        Raises :class:`fivebar.RobotError` if the robot has no masses, no motors with currents or
+        no pose. Where the loop is unstable the margins are None.
+
+        >>> Arm.load("benchtop").margins()["modulus_margin"] > 0.5
+        True
+        """
+        return _studies.margins(self._robot)
+
+    def plan(
+        self,
+        path: Union[_studies.Source, Mapping[str, Any]],
+        *,
+        torque_share: float = 1.0,
+        jerk: Optional[float] = None,
+    ) -> Dict[str, Any]:
+        """A time-optimal plan along a path: ``fivebar plan --path --json``.
+
+        path: the JSON of a path file, as text, as a dictionary, or as the ``pathlib.Path`` of a
+        file; docs/design/time-optimal.md describes it. torque_share: share of the torque limits, in
+        (0, 1]. jerk: the greatest joint jerk [rad/s³]. The path's own robot is not looked at.
+        Raises :class:`fivebar.StudyError`.
+        """
+        if not 0.0 < torque_share <= 1.0:
+            raise FivebarError(f"torque_share must be in (0, 1], not {torque_share!r}")
+        if jerk is not None and not (jerk > 0.0 and np.isfinite(jerk)):
+            raise FivebarError(f"jerk must be a positive finite number, not {jerk!r}")
+        return _studies.plan(self._robot, path, torque_share, jerk)
+
+    def accuracy(
+        self,
+        at: ArrayLike,
+        *,
+        velocity: ArrayLike = (0.0, 0.0),
+        acceleration: ArrayLike = (0.0, 0.0),
+        force: ArrayLike = (0.0, 0.0),
+        samples: int = 100_000,
+        seed: int = 1,
+    ) -> Dict[str, Any]:
+        """The effect of the robot's tolerances at one position: ``fivebar accuracy --at --json``.
+
+        at, velocity, acceleration: of C [m, m/s, m/s²]; force on C [N]; samples: of the Monte Carlo
+        check of each figure, 2 or more. Raises :class:`fivebar.StudyError`.
+
+        >>> found = Arm.load("benchtop").accuracy([0.04, 0.2], samples=1000)
+        >>> 1e-6 < found["position_sd_m"][0] < 1e-3
+        True
+        """
+        if samples < 2:
+            raise FivebarError(f"samples must be 2 or more, not {samples!r}")
+        pairs = {"at": at, "velocity": velocity, "acceleration": acceleration, "force": force}
+        state = [pair(name, value) for name, value in pairs.items()]
+        return dict(json.loads(_native.accuracy(self._robot, state, samples, seed)))
+
+    def accuracy_map(
+        self, *, region: Optional[Sequence[float]] = None, force: ArrayLike = (0.0, 0.0)
+    ) -> Dict[str, Any]:
+        """The same over the workspace: ``fivebar accuracy --map --json``.
+
+        region: x0, y0, x1, y1 of a rectangle [m]; by default the whole workspace. force on C [N].
+        """
+        corners = None if region is None else [float(number) for number in region]
+        found = _native.accuracy_map_of(self._robot, corners, pair("force", force))
+        return dict(json.loads(found))
+
+    def accuracy_along(
+        self,
+        job: _studies.Source,
+        *,
+        origin: Optional[ArrayLike] = None,
+        scale: float = 1.0,
+        force: ArrayLike = (0.0, 0.0),
+    ) -> Dict[str, Any]:
+        """The same along the path of a job: ``fivebar accuracy --path --json``.
+
+        job: G-code, or the ``pathlib.Path`` of a file; origin and scale as in
+        :meth:`fivebar.Arm.simulate`. force on C [N]. Raises :class:`fivebar.JobError`,
+        :class:`fivebar.StudyError`.
+        """
+        name, text = _studies.text_of(job)
+        place = None if origin is None else pair("origin", origin)
+        strength = pair("force", force)
+        found = _native.accuracy_along(self._robot, name, text, place, scale, strength)
+        return dict(json.loads(found))
+
+    def export(self, format: str) -> str:
+        """The arm for another program, as ``fivebar export``: ``"mjcf"`` (MuJoCo), ``"urdf"`` or ``"dot"`` (Graphviz).
+
+        >>> Arm.load("benchtop").export("dot").startswith("graph")
+        True
+        """
+        text = _native.export(self._robot, format)
+        if text is None:
+            raise FivebarError(f"format must be 'mjcf', 'urdf' or 'dot', not {format!r}")
+        return text
+
+    def calibrate(
+        self,
+        points: Optional[ArrayLike] = None,
+        *,
+        bars: Optional[ArrayLike] = None,
+        holes: Optional[ArrayLike] = None,
+        photos: Sequence[ArrayLike] = (),
+        sigma: float = 20e-6,
+        bar_sigma: float = 20e-6,
+        hole_sigma: float = 10e-6,
+        photo_sigma: float = 50e-6,
+        plain: bool = False,
+    ) -> Found:
+        """Lengths and joint offsets from what was measured: ``fivebar calibrate --json``.
+
+        Tables with a row for each measurement. points: counts1, counts4, x, y of holes on a plate
+        [counts, m]; bars: from1, from4, to1, to4, length [counts, m]; holes: number, counts1,
+        counts4 of holes at unknown places; photos: for each photograph counts1, counts4, u, v
+        [counts, pixels]. Standard deviations [m]: sigma of a hole on the plate, bar_sigma,
+        hole_sigma, photo_sigma. plain: least squares in place of Huber's loss.
+        Raises :class:`fivebar.StudyError`.
+        """
+        sigmas = [sigma, bar_sigma, hole_sigma, photo_sigma]
+        if not all(np.isfinite(number) and number > 0.0 for number in sigmas):
+            raise FivebarError("standard deviations must be positive finite lengths [m]")
+        answer = _native.calibrate(
+            self._robot,
+            rows("points", points, POINTS),
+            rows("bars", bars, BARS),
+            rows("holes", holes, HOLES),
+            [rows("photos", photo, PHOTO) for photo in photos],
+            sigmas,
+            plain,
+        )
+        return _measured.found(answer)
+
+    def calibration_poses(self, count: int, *, sigma: float = 20e-6) -> Dict[str, Any]:
+        """Holes that determine the arm best: ``fivebar calibrate --propose --json``.
+
+        count: 5 to 400; sigma: the standard deviation of a hole [m].
+
+        >>> len(Arm.load("benchtop").calibration_poses(6)["poses"])
+        6
+        """
+        if not 5 <= count <= 400:
+            raise FivebarError(f"count must be 5 to 400, not {count!r}")
+        return dict(json.loads(_native.calibration_poses(self._robot, count, sigma)))
+
+    def identify(self, log: ArrayLike, *, validate: Optional[ArrayLike] = None) -> Found:
+        """Base parameters and friction from a log of motion: ``fivebar identify --log --json``.
+
+        log: a row for every tick with time [s], θ1, θ4 [rad], current 1 and 4 [A]. validate: a
+        second log, of another trajectory, whose torques are predicted. Raises
+        :class:`fivebar.StudyError`, or :class:`fivebar.RobotError` for an arm without motors.
+        """
+        second = None if validate is None else rows("validate", validate, LOG)
+        return _measured.found(_native.identify(self._robot, rows("log", log, LOG), second))
+
+    def identify_payload(self, log: ArrayLike) -> Found:
+        """The payload alone, with the masses of the robot: ``fivebar identify --log --payload --json``.
+
+        log: as in :meth:`identify`; any quick motion will do.
+        """
+        return _measured.found(_native.identify_payload(self._robot, rows("log", log, LOG)))
+
+    def excitations(self) -> Dict[str, Any]:
+        """Two trajectories that excite the arm within its limits: ``fivebar identify --propose --json``."""
+        return dict(json.loads(_native.excitations(self._robot)))

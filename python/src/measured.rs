@@ -1,0 +1,150 @@
+//! What measurements tell of an arm: calibration, identification.
+
+use crate::error;
+use crate::robot::Robot;
+use fivebar_design::calibration::{Criterion, Deviations};
+use fivebar_files::robot::{Measured, measured_text};
+use fivebar_report::study::calibration::{
+    Rows, answer as calibrated, calibrate_robot, calibrate_robot_mixed, measured as lengths,
+    mixed_answer, mixed_warnings, proposal_answer as poses_answer, propose_poses, warnings,
+};
+use fivebar_report::study::identification::{
+    answer as identified, identify_robot, measured as masses, measured_payload, payload_answer,
+    payload_of, proposal_answer as excitations_answer, propose_for, validation_answer, validations,
+    warning,
+};
+use pyo3::prelude::*;
+
+/// The answer as JSON, the robot file with the measured values, and warnings.
+type Found = (String, String, Vec<String>);
+
+/// The robot's file with these values.
+fn rewritten(py: Python<'_>, robot: &Robot, values: &[Measured]) -> PyResult<String> {
+    measured_text(&robot.file, &robot.text, values).map_err(|refusal| error::file(py, &refusal))
+}
+
+/// The answer of `fivebar calibrate`. Standard deviations [m]: of a hole on the plate, of a bar, of a touched hole, of a
+/// photographed point.
+#[pyfunction]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "they are those of the Python function"
+)]
+pub(crate) fn calibrate(
+    py: Python<'_>,
+    robot: &Robot,
+    points: Vec<[f64; 4]>,
+    bars: Vec<[f64; 5]>,
+    holes: Vec<[f64; 3]>,
+    photos: Vec<Vec<[f64; 4]>>,
+    sigmas: [f64; 4],
+    plain: bool,
+) -> PyResult<Found> {
+    let arm = &robot.described;
+    let criterion = match plain {
+        true => Criterion::LeastSquares,
+        false => Criterion::Huber,
+    };
+    let refused = |refusal| error::study(py, refusal);
+    let [plate, bar, hole, photo] = sigmas;
+    if bars.is_empty() && holes.is_empty() && photos.is_empty() {
+        let study = py.detach(|| calibrate_robot(arm, &points, plate, criterion));
+        let study = study.map_err(refused)?;
+        let found = &study.calibration;
+        let values = lengths(arm, &found.parameters, &found.covariance);
+        let text = rewritten(py, robot, &values)?;
+        return Ok((
+            calibrated(arm, &study).to_string(),
+            text,
+            warnings(arm, &study),
+        ));
+    }
+    let rows = Rows {
+        plate: points,
+        bars,
+        holes,
+        photos,
+    };
+    let deviations = Deviations {
+        plate,
+        bar,
+        hole,
+        photo,
+    };
+    let study = py.detach(|| calibrate_robot_mixed(arm, &rows, deviations, criterion));
+    let study = study.map_err(refused)?;
+    let found = &study.calibration;
+    let values = lengths(arm, &found.parameters, &found.covariance);
+    let text = rewritten(py, robot, &values)?;
+    Ok((
+        mixed_answer(arm, &study).to_string(),
+        text,
+        mixed_warnings(&study),
+    ))
+}
+
+/// The answer of `fivebar calibrate --propose`.
+#[pyfunction]
+pub(crate) fn calibration_poses(
+    py: Python<'_>,
+    robot: &Robot,
+    count: usize,
+    sigma: f64,
+) -> PyResult<String> {
+    let study = py.detach(|| propose_poses(&robot.described, count, sigma));
+    let study = study.map_err(|refusal| error::study(py, refusal))?;
+    Ok(poses_answer(&robot.described, &study).to_string())
+}
+
+/// The answer of `fivebar identify --log`, with `--validate` if there is a second log.
+#[pyfunction]
+pub(crate) fn identify(
+    py: Python<'_>,
+    robot: &Robot,
+    log: Vec<[f64; 5]>,
+    second: Option<Vec<[f64; 5]>>,
+) -> PyResult<Found> {
+    let arm = brushed(py, robot)?;
+    let refused = |refusal| error::study(py, refusal);
+    let found = py.detach(|| identify_robot(arm, &log)).map_err(refused)?;
+    let mut answer = identified(arm, log.len(), &found);
+    if let Some(second) = second {
+        let predicted = validations(arm, &found, &second).map_err(refused)?;
+        answer["validation"] = validation_answer(predicted);
+    }
+    let text = rewritten(py, robot, &masses(arm, &found))?;
+    let warnings = warning(arm, &found).into_iter().collect();
+    Ok((answer.to_string(), text, warnings))
+}
+
+/// The answer of `fivebar identify --log --payload`.
+#[pyfunction]
+pub(crate) fn identify_payload(
+    py: Python<'_>,
+    robot: &Robot,
+    log: Vec<[f64; 5]>,
+) -> PyResult<Found> {
+    let arm = brushed(py, robot)?;
+    let found = py.detach(|| payload_of(arm, &log));
+    let found = found.map_err(|refusal| error::study(py, refusal))?;
+    let text = rewritten(py, robot, &[measured_payload(&found)])?;
+    Ok((
+        payload_answer(arm, log.len(), &found).to_string(),
+        text,
+        Vec::new(),
+    ))
+}
+
+/// The answer of `fivebar identify --propose`.
+#[pyfunction]
+pub(crate) fn excitations(py: Python<'_>, robot: &Robot) -> PyResult<String> {
+    let arm = brushed(py, robot)?;
+    let found = py.detach(|| propose_for(arm));
+    let found = found.map_err(|refusal| error::study(py, refusal))?;
+    Ok(excitations_answer(arm, &found).to_string())
+}
+
+fn brushed<'r>(py: Python<'_>, robot: &'r Robot) -> PyResult<&'r fivebar_files::robot::Robot> {
+    let brushed = robot.described.brushed();
+    brushed.map_err(|refusal| error::robot(py, refusal))
+}
