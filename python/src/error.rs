@@ -3,6 +3,7 @@
 use fivebar_files::job::JobError;
 use fivebar_files::scenario::{ModeChangeError, ScenarioError, place_in_job};
 use fivebar_files::source::FileError;
+use fivebar_kinematics::five_bar::PoseError;
 use fivebar_sim::link::TargetError;
 use fivebar_sim::simulation::RunError;
 use pyo3::call::PyCallArgs;
@@ -27,6 +28,16 @@ pub(crate) fn file(py: Python<'_>, error: &FileError) -> PyErr {
 /// A robot that lacks data that the call needs.
 pub(crate) fn robot(py: Python<'_>, error: impl Display) -> PyErr {
     raise(py, "RobotError", (error.to_string(),))
+}
+
+/// Angles at which the arm cannot be.
+pub(crate) fn pose(py: Python<'_>, error: PoseError) -> PyErr {
+    let kind = match error {
+        PoseError::Unreachable(_) => "UnreachableError",
+        PoseError::Singular(_) => "SingularError",
+        PoseError::NotFinite => "InvalidError",
+    };
+    raise(py, kind, (error.to_string(),))
 }
 
 /// A study that cannot be done, or the file that describes it.

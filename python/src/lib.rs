@@ -11,6 +11,7 @@ mod error;
 mod measured;
 mod mechanism;
 mod motion;
+mod plant;
 mod positions;
 mod robot;
 mod simulation;
@@ -30,6 +31,8 @@ mod _native {
     use super::mechanism::{export, linkage, mobility};
     #[pymodule_export]
     use super::motion::{inverse_motion, motion};
+    #[pymodule_export]
+    use super::plant::Plant;
     #[pymodule_export]
     use super::positions::{forward, inverse, mode_change};
     #[pymodule_export]

@@ -116,7 +116,7 @@ type Outcome<'py> = (
 
 /// A figure of a mismatch: a number, a list, or the harmonics of each encoder.
 #[derive(FromPyObject)]
-enum Figure {
+pub(crate) enum Figure {
     Number(f64),
     List(Vec<f64>),
     Harmonics(Vec<Vec<BTreeMap<String, f64>>>),
@@ -150,7 +150,7 @@ impl Figure {
 }
 
 /// Replaces the named figures of a mismatch.
-fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, Figure>) -> PyResult<()> {
+pub(crate) fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, Figure>) -> PyResult<()> {
     for (name, figure) in figures {
         let mut all = serde_json::to_value(*mismatch)
             .map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))?;

@@ -26,6 +26,11 @@ impl Plant {
     pub fn angle(&self, joint: Joint) -> f64 {
         self.state.q[DRIVEN[joint]].angular
     }
+    /// True velocity of a driven joint [rad/s].
+    pub(crate) fn velocity(&self, joint: Joint) -> f64 {
+        self.joint(joint).1
+    }
+
     /// True position of the tool [m].
     pub fn tool(&self) -> Vector2<f64> {
         self.model.tool(&self.state)

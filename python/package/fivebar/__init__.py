@@ -25,6 +25,7 @@ from ._errors import (
 )
 from ._measured import Found
 from ._mechanisms import linkage, mobility
+from ._plant import Plant
 from ._results import (
     Forward,
     ForwardDynamics,
@@ -53,6 +54,7 @@ __all__ = [
     "JobError",
     "Motion",
     "NO_MISMATCH",
+    "Plant",
     "PoseError",
     "Reaction",
     "RobotError",

@@ -11,6 +11,7 @@ _Rows = Sequence[Sequence[float]]
 _Answer = Tuple[List[_Numbers], NDArray[np.uint8]]
 
 __all__ = [
+    "Plant",
     "Robot",
     "Scenario",
     "accuracy",
@@ -84,6 +85,25 @@ class Scenario:
         Optional[float],
         List[str],
     ]: ...
+
+@final
+class Plant:
+    def __new__(
+        cls,
+        robot: Robot,
+        theta: Optional[Sequence[float]],
+        assembly: int,
+        mismatch: Dict[str, Any],
+    ) -> Plant: ...
+    def step(self, torque: Sequence[float], time: float, force: Sequence[float]) -> None: ...
+    @property
+    def theta(self) -> List[float]: ...
+    @property
+    def omega(self) -> List[float]: ...
+    @property
+    def tool(self) -> List[float]: ...
+    @property
+    def time(self) -> float: ...
 
 def built_in() -> List[str]: ...
 def mode_change(

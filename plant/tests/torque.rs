@@ -1,0 +1,86 @@
+//! The arm with torques on its rotors against the equations of motion of the controller's model.
+
+use fivebar_firmware::Settings;
+use fivebar_kinematics::five_bar::{Joint, Pose};
+use fivebar_plant::{Mismatch, Parameters, TorquePlant};
+use nalgebra::Vector2;
+
+fn parameters() -> Parameters {
+    let mut parameters = Parameters::from_settings(&Settings::BENCHTOP, 24.0).unwrap();
+    for motor in &mut parameters.motors {
+        (motor.viscous_friction, motor.coulomb_friction) = (0.0, 0.0);
+    }
+    parameters
+}
+
+fn pose([theta1, theta4]: [f64; 2]) -> Pose<f64> {
+    let assembly = Settings::BENCHTOP.assembly();
+    let geometry = *parameters().arm.geometry();
+    geometry.forward(theta1, theta4, assembly).unwrap()
+}
+
+#[test]
+fn it_moves_as_the_equations_of_motion_say() {
+    let parameters = parameters();
+    let torque = [0.08, -0.05];
+    // θ and ω of the model by RK4 with steps of 0.1 ms.
+    let (mut q, mut v) = ([2.2, 0.9], [0.0; 2]);
+    let acceleration = |q: [f64; 2], v: [f64; 2]| {
+        let (pose, arm) = (pose(q), &parameters.arm);
+        let velocities = arm.geometry().forward_velocities(&pose, v[0], v[1]);
+        let found = arm.forward_dynamics(&pose, &velocities.unwrap(), torque, Vector2::zeros());
+        found.unwrap()
+    };
+    let ahead = |x: [f64; 2], rate: [f64; 2], time: f64| [0, 1].map(|j| x[j] + time * rate[j]);
+    let h = 1e-4;
+    let mut arm = TorquePlant::new(&parameters, &Mismatch::NONE, &pose(q));
+    for step in 0..1000 {
+        let (v1, a1) = (v, acceleration(q, v));
+        let (v2, a2) = (
+            ahead(v, a1, h / 2.0),
+            acceleration(ahead(q, v1, h / 2.0), ahead(v, a1, h / 2.0)),
+        );
+        let (v3, a3) = (
+            ahead(v, a2, h / 2.0),
+            acceleration(ahead(q, v2, h / 2.0), ahead(v, a2, h / 2.0)),
+        );
+        let (v4, a4) = (
+            ahead(v, a3, h),
+            acceleration(ahead(q, v3, h), ahead(v, a3, h)),
+        );
+        let mean = |one: [f64; 2], two: [f64; 2], three: [f64; 2], four: [f64; 2]| {
+            [0, 1].map(|j| (one[j] + 2.0 * (two[j] + three[j]) + four[j]) / 6.0)
+        };
+        q = ahead(q, mean(v1, v2, v3, v4), h);
+        v = ahead(v, mean(a1, a2, a3, a4), h);
+        if step % 10 == 9 {
+            arm.step(torque, 10.0 * h);
+        }
+    }
+    for j in Joint::ALL {
+        let (angle, velocity) = (arm.angle(j) - q[j], arm.velocity(j) - v[j]);
+        assert!(
+            angle.abs() < 1e-7 && velocity.abs() < 1e-6,
+            "{angle} rad, {velocity} rad/s"
+        );
+        assert!(v[j].abs() > 0.5, "it moves: {v:?}");
+    }
+    assert!((arm.time() - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn friction_ends_the_motion_and_no_brake_holds_it() {
+    let mut parameters = Parameters::from_settings(&Settings::BENCHTOP, 24.0).unwrap();
+    parameters.brake_torque = [10.0; 2];
+    let mut arm = TorquePlant::new(&parameters, &Mismatch::NONE, &pose([2.2, 0.9]));
+    for _ in 0..50 {
+        arm.step([0.1, 0.0], 1e-3);
+    }
+    let turned = arm.angle(Joint::Joint1) - 2.2;
+    assert!(turned > 0.01, "{turned} rad");
+    let rolling = arm.velocity(Joint::Joint1);
+    for _ in 0..200 {
+        arm.step([0.0; 2], 1e-3);
+    }
+    assert!(arm.velocity(Joint::Joint1).abs() < 0.9 * rolling.abs());
+}
