@@ -13,6 +13,9 @@ use super::{Frame, Payload};
 /// The greatest node: the upper half of an answer's first byte is the drive's state.
 pub const MOST_NODE: u8 = 15;
 
+/// The identifier of answers: that of the controller.
+pub const ANSWER: u16 = 0;
+
 /// The greatest stiffness [N·m/rad] of a command.
 const STIFFNESS: f32 = 500.0;
 /// The greatest damping [N·m·s/rad] of a command.

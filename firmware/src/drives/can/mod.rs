@@ -7,8 +7,10 @@
 mod link;
 pub mod mit;
 pub mod odrive;
+mod setup;
 
 pub use link::{Link, MOST_FRAMES, Protocol};
+pub use setup::BusSetup;
 
 /// Bits in a second: both protocols' fastest.
 pub const BIT_RATE: f32 = 1e6;

@@ -36,6 +36,11 @@ const fn id(node: u8, message: u16) -> u16 {
     (node as u16) << 5 | message
 }
 
+/// The identifiers of the frames that [`Message`] knows, of this drive.
+pub const fn answers(node: u8) -> [u16; 2] {
+    [id(node, HEARTBEAT), id(node, GET_ENCODER_ESTIMATES)]
+}
+
 /// Two numbers of 32 bits.
 const fn pair(first: [u8; 4], second: [u8; 4]) -> Payload {
     let ([a, b, c, d], [e, f, g, h]) = (first, second);
