@@ -29,6 +29,8 @@ pub enum Board {
     Stm32f405,
     /// An STM32F405 that gives stepper drivers their steps.
     Stm32f405Stepper,
+    /// An STM32F405 with torque drives on its CAN bus.
+    Stm32f405Can,
 }
 
 /// Why a controller started.

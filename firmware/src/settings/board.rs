@@ -1,6 +1,7 @@
 //! What a board can do with settings that are valid by themselves.
 
 use super::{HomingMethod, Settings, SettingsError};
+use crate::drives::can::BusSetup;
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 
@@ -17,6 +18,8 @@ pub struct BoardLimits {
     pub bus_voltage: u32,
     /// Whether its counters show the joints' angles from power-up on.
     pub absolute_encoders: bool,
+    /// Whether its drives are on a CAN bus.
+    pub drives_on_bus: bool,
 }
 
 impl BoardLimits {
@@ -28,6 +31,7 @@ impl BoardLimits {
         bus_voltage: 36,
         // Its counters start at 0 wherever the arm stands.
         absolute_encoders: false,
+        drives_on_bus: false,
     };
 
     /// The STM32F405 with stepper drivers. They measure no current, and its board no voltage.
@@ -39,9 +43,19 @@ impl BoardLimits {
         ..Self::STM32F405
     };
 
+    /// The STM32F405 with torque drives on its CAN bus, which count and guard their motors themselves. The tick rate is that
+    /// at which both protocols' frames fit on the bus ([`most_load`](crate::drives::can::most_load)).
+    pub const STM32F405_CAN: Self = Self {
+        tick_rate: 1_000,
+        count_rate: u32::MAX,
+        absolute_encoders: true,
+        drives_on_bus: true,
+        ..Self::STM32F405_STEPPER
+    };
+
     /// Checks what the board must follow: the tick rate, and the encoders at the speed that is a
     /// fault; that the current and the voltage that are faults do not destroy its bridges; and that
-    /// it has the encoders from which the angles are to come.
+    /// it has the encoders from which the angles are to come, and the drives.
     ///
     /// # Errors
     /// The field beyond the board's bound, with the bound.
@@ -67,6 +81,9 @@ impl BoardLimits {
         let absolute = settings.home_reference.method == HomingMethod::Absolute;
         if absolute && !self.absolute_encoders {
             return Err(SettingsError::BoardEncoders);
+        }
+        if self.drives_on_bus && BusSetup::of(settings).is_none() {
+            return Err(SettingsError::BoardBus);
         }
         Ok(())
     }

@@ -28,6 +28,8 @@ pub enum SettingsError {
     BoardVoltage(u32),
     /// The board's counters start at 0, so its encoders are not absolute.
     BoardEncoders,
+    /// The board's drives are on a bus, and the settings name none.
+    BoardBus,
     /// No pose within the joint limits is on the branch and keeps the singularity margin.
     NoPose,
 }
@@ -63,6 +65,10 @@ impl fmt::Display for SettingsError {
             Self::BoardEncoders => f.write_str(
                 "home_reference.method must not be absolute: the board's counters start at 0 with \
                  the power, wherever the arm stands; use switch, hard-stop or given",
+            ),
+            Self::BoardBus => f.write_str(
+                "current_zero_code of both axes must name two drives on the board's CAN bus: take a robot \
+                 with actuators of kind \"can-torque\"",
             ),
             Self::NoPose => f.write_str(
                 "no pose within angle_limits is on the branch of elbows_left and assembly_left \

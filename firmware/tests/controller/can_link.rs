@@ -2,10 +2,17 @@
 
 use fivebar_firmware::Settings;
 use fivebar_firmware::drives::can::mit::Ranges;
-use fivebar_firmware::drives::can::{Frame, Link, Protocol, odrive};
+use fivebar_firmware::drives::can::{Frame, Frames, Link, Protocol, odrive};
 use fivebar_firmware::drives::{DriveHealth, DriveStiffness, TorqueSetPoint};
 use fivebar_firmware::settings::CheckedSettings;
 use std::f32::consts::TAU;
+
+/// The frames of a tick.
+fn sent(link: &mut Link, enable: [bool; 2], set_point: &TorqueSetPoint) -> Frames {
+    let mut frames = Frames::new();
+    link.send(enable, set_point, &mut frames);
+    frames
+}
 
 const NODES: [u8; 2] = [1, 2];
 const MIT: Protocol = Protocol::Mit(Ranges {
@@ -106,7 +113,7 @@ fn odrives_are_started_in_order_and_stopped_until_they_tell_it() {
         odrive::set_axis_state(1, odrive::CLOSED_LOOP),
     ];
     for start in starts {
-        let frames = link.send([true; 2], &set_point);
+        let frames = sent(&mut link, [true; 2], &set_point);
         assert_eq!(frames.len(), 4);
         let (ours, theirs) = (frames[0].data.expect("data"), start.data.expect("data"));
         assert_eq!(frames[0].id, start.id);
@@ -114,7 +121,7 @@ fn odrives_are_started_in_order_and_stopped_until_they_tell_it() {
         let off = (single(ours) / single(theirs) - 1.0).abs();
         assert!(ours == theirs || off < 1e-5, "{ours:?} for {theirs:?}");
     }
-    let frames = link.send([true; 2], &set_point);
+    let frames = sent(&mut link, [true; 2], &set_point);
     // Where the drive is, and what the joint is to turn: backwards behind a negative gear.
     for (frame, (node, gear)) in frames.iter().zip([(1, gear), (2, -gear)]) {
         let turns = 0.5 + 0.02 * gear / TAU;
@@ -125,12 +132,15 @@ fn odrives_are_started_in_order_and_stopped_until_they_tell_it() {
     // Drive 1 did not hear the order to stop.
     link.receive(&heartbeat(1, 0, odrive::CLOSED_LOOP));
     let idle = NODES.map(|node| odrive::set_axis_state(node, odrive::IDLE));
-    assert_eq!(link.send([false; 2], &set_point)[..2], idle);
+    assert_eq!(sent(&mut link, [false; 2], &set_point)[..2], idle);
     let feeds = odrive::set_input(2, 0.5, 0.0, 0.0);
-    assert_eq!(link.send([false; 2], &set_point)[..2], [idle[0], feeds]);
+    assert_eq!(
+        sent(&mut link, [false; 2], &set_point)[..2],
+        [idle[0], feeds]
+    );
     link.receive(&heartbeat(1, 0, odrive::IDLE));
     let feeds = NODES.map(|node| odrive::set_input(node, 0.5, 0.0, 0.0));
-    assert_eq!(link.send([false; 2], &set_point)[..2], feeds);
+    assert_eq!(sent(&mut link, [false; 2], &set_point)[..2], feeds);
 }
 
 #[test]
@@ -138,14 +148,14 @@ fn mit_type_drives_enter_follow_and_leave_and_are_told_to_leave_in_every_tick_wi
     let mut link = link(MIT);
     let last = |frames: &[Frame]| [0, 1].map(|i| frames[i].data.expect("data")[7]);
     let set_point = TorqueSetPoint::default();
-    assert_eq!(last(&link.send([false; 2], &set_point)), [0xFD; 2]);
-    assert_eq!(last(&link.send([true; 2], &set_point)), [0xFC; 2]);
-    let frames = link.send([true; 2], &set_point);
+    assert_eq!(last(&sent(&mut link, [false; 2], &set_point)), [0xFD; 2]);
+    assert_eq!(last(&sent(&mut link, [true; 2], &set_point)), [0xFC; 2]);
+    let frames = sent(&mut link, [true; 2], &set_point);
     assert_eq!((frames.len(), [frames[0].id, frames[1].id]), (2, [1, 2]));
     // Torque 0 is in the middle of its range.
     assert_eq!(last(&frames), [0xFF; 2]);
     for _ in 0..3 {
-        assert_eq!(last(&link.send([false; 2], &set_point)), [0xFD; 2]);
+        assert_eq!(last(&sent(&mut link, [false; 2], &set_point)), [0xFD; 2]);
     }
 }
 

@@ -348,6 +348,7 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
             Board::Emulated,
             Board::Stm32f405,
             Board::Stm32f405Stepper,
+            Board::Stm32f405Can,
         ]),
         prop::sample::select(vec![
             Reset::Power,

@@ -53,6 +53,12 @@ pub enum OpenError {
          write the image `stm32f405` to the board"
     )]
     ForSteppers,
+    /// The controller is for drives on a CAN bus.
+    #[error(
+        "the controller is for drives on a CAN bus and the robot has brushed motors; \
+         write the image `stm32f405` to the board"
+    )]
+    ForDrivesOnBus,
     /// The controller does not reply.
     #[error(transparent)]
     Link(#[from] LinkError),
@@ -90,6 +96,7 @@ pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, Str
             )
         }
         Board::Stm32f405Stepper => return Err(OpenError::ForSteppers),
+        Board::Stm32f405Can => return Err(OpenError::ForDrivesOnBus),
         Board::Desktop | Board::Stm32f405 => {
             let mut drive = Drive::new(&mut client, &|| false);
             match source {

@@ -3,7 +3,7 @@
 use super::{RunError, SimulatedArm, check_mismatch, settings_error, start_pose};
 use crate::link::InProcess;
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::drives::can::{Link, Protocol};
+use fivebar_firmware::drives::can::{Frames, Link, Protocol};
 use fivebar_firmware::drives::{TorqueDrives, TorqueSample, TorqueSetPoint};
 use fivebar_firmware::{ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::Joint;
@@ -87,7 +87,8 @@ impl SimulatedArm for ArmOnBus {
     }
 
     fn step(&mut self, command: &ArmCommand<TorqueSetPoint>, period: f64) {
-        let frames = self.link.send(command.enable, &command.drives);
+        let mut frames = Frames::new();
+        self.link.send(command.enable, &command.drives, &mut frames);
         self.plant
             .step(&frames, command.brake, command.tool, period);
     }

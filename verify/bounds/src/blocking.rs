@@ -129,6 +129,9 @@ impl Program<'_> {
         let Some(function) = self.image().function(address).cloned() else {
             return;
         };
+        if self.stated().ends(&function.name) {
+            return;
+        }
         let (graph, _) = self.graph(&function);
         let (places, faults) = Places::of(&graph);
         let defect = |(address, fault)| Defect {

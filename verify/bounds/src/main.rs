@@ -75,7 +75,7 @@ fn print(folder: &Path) -> Result<String, String> {
         mut rows,
         mut defects,
     } = report::of_function("tick", &tick, &stated, "tick::__cortex_m_rt_main")?;
-    for name in ["stm32f405", "stm32f405_stepper", "qemu"] {
+    for name in ["stm32f405", "stm32f405_stepper", "stm32f405_can", "qemu"] {
         let image = image(&folder.join(name))?;
         let mut report = report::of_handlers(name, &image, &stated)?;
         if let Some(driving) = response::IMAGES.iter().find(|it| it.label == name) {

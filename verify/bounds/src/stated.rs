@@ -14,7 +14,7 @@ use crate::longest::Bound;
 /// ends  <function>   ; why
 /// ```
 ///
-/// `ends` names a handler that ends the program: its stack matters, its time does not.
+/// `ends` names a function that ends the program, such as a handler: its stack matters, its time does not.
 ///
 /// The bound of `loop` is how often the loop's header is executed at each entry into the loop;
 /// that of `total` is how many rounds the loop makes while the function runs. `n` is the loop's
@@ -119,7 +119,7 @@ impl Stated {
         unused.map(|it| it.text.as_str())
     }
 
-    /// Whether a handler ends the program.
+    /// Whether a function ends the program.
     pub fn ends(&self, function: &str) -> bool {
         self.ends.iter().any(|given| matches(given, function))
     }

@@ -54,13 +54,14 @@ fn places(image: &Image, function: &str) -> Vec<u32> {
 }
 
 /// The functions that hold the tick: of the image that has nothing else, and of the arm's.
-const TICKS: [(&str, &str); 3] = [
+const TICKS: [(&str, &str); 4] = [
     (
         "tick",
         "fivebar_firmware::controller::tick::<impl fivebar_firmware::controller::ArmController<D>>::tick",
     ),
     ("stm32f405", "ADC"),
     ("stm32f405_stepper", "TIM4"),
+    ("stm32f405_can", "TIM5"),
 ];
 
 #[track_caller]

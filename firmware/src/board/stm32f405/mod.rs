@@ -7,6 +7,7 @@
 
 pub mod analog;
 pub mod brown_out;
+pub mod can;
 pub mod clocks;
 pub mod crystal;
 pub mod cycles;

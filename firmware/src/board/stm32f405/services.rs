@@ -9,7 +9,7 @@ use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
 use crate::board::Board;
 use crate::board::stack;
-use crate::drives::{BrushedDrives, Drives, StepDrives};
+use crate::drives::{BrushedDrives, Drives, StepDrives, TorqueDrives};
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan};
 use crate::recorder::{LogControl, LogWords, Recorder};
 use crate::settings::{BoardLimits, CheckedSettings};
@@ -42,6 +42,10 @@ impl OnBoard for BrushedDrives {
 
 impl OnBoard for StepDrives {
     const LIMITS: BoardLimits = BoardLimits::STM32F405_STEPPER;
+}
+
+impl OnBoard for TorqueDrives {
+    const LIMITS: BoardLimits = BoardLimits::STM32F405_CAN;
 }
 
 /// The settings' storage, and the watchdog, whose timeout is longer while settings are written.

@@ -7,7 +7,10 @@ use core::f32::consts::TAU;
 use heapless::Vec;
 
 /// Frames that are sent in a tick, at most.
-pub const MOST_FRAMES: usize = 4;
+const MOST_FRAMES: usize = 4;
+
+/// The frames of a tick.
+pub type Frames = Vec<Frame, MOST_FRAMES>;
 
 /// Heartbeats that may be missing.
 const MISSING_HEARTBEATS: f32 = 5.0;
@@ -130,13 +133,9 @@ impl Link {
         ([drive1.counts(), drive4.counts()], sample)
     }
 
-    /// The frames of a tick: commands first, so that the torques are at the drives as soon as can be.
-    pub fn send(
-        &mut self,
-        enable: [bool; 2],
-        set_point: &TorqueSetPoint,
-    ) -> Vec<Frame, MOST_FRAMES> {
-        let mut frames = Vec::new();
+    /// Makes the frames of a tick: commands first, so that the torques are at the drives as soon as can be.
+    pub fn send(&mut self, enable: [bool; 2], set_point: &TorqueSetPoint, frames: &mut Frames) {
+        frames.clear();
         let ([torque1, torque4], [ahead1, ahead4]) = (set_point.torque, set_point.ahead);
         let ([omega1, omega4], [enable1, enable4]) = (set_point.velocity, enable);
         let [drive1, drive4] = &mut self.drives;
@@ -148,7 +147,6 @@ impl Link {
                 let _ = frames.push(odrive::ask_for_estimates(drive.node));
             }
         }
-        frames
     }
 }
 

@@ -8,9 +8,11 @@ mod link;
 pub mod mit;
 pub mod odrive;
 mod setup;
+mod waiting;
 
-pub use link::{Link, MOST_FRAMES, Protocol};
+pub use link::{Frames, Link, Protocol};
 pub use setup::BusSetup;
+pub use waiting::{CanController, MOST_RECEIVED, WaitingFrames};
 
 /// Bits in a second: both protocols' fastest.
 pub const BIT_RATE: f32 = 1e6;

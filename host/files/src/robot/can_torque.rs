@@ -5,7 +5,7 @@ use super::value::positive;
 use super::{Actuator, HomeMethod, Robot};
 use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_firmware::drives::can::{
-    BIT_RATE, MOST_LOAD, Protocol, mit, most_load, odrive, sensed_after,
+    BIT_RATE, BusSetup, MOST_LOAD, Protocol, mit, most_load, odrive, sensed_after,
 };
 use fivebar_firmware::drives::{OLDEST_SAMPLE, TorqueDrives};
 use fivebar_kinematics::control::PositionLoop;
@@ -69,6 +69,15 @@ impl Robot {
     pub fn can_drives(&self) -> Option<[CanTorque; 2]> {
         let [first, second] = self.actuators.as_ref()?;
         Some([first.can?, second.can?])
+    }
+
+    /// Which drives are on its bus.
+    pub(super) fn bus_setup(&self) -> Option<BusSetup> {
+        let [first, second] = self.can_drives()?;
+        Some(BusSetup {
+            protocol: first.protocol,
+            nodes: [first.node, second.node],
+        })
     }
 
     /// What its drives speak, and the drives of the simulated arm.

@@ -48,7 +48,7 @@ impl Robot {
         let Self {
             motion, protection, ..
         } = self;
-        Ok(Settings {
+        let mut settings = Settings {
             lengths: self.geometry.lengths().map(single),
             links: arm.links().map(|link| LinkSettings {
                 mass: single(link.mass),
@@ -100,7 +100,11 @@ impl Robot {
             brake: brakes(&actuators),
             belts: belt_settings(belts, &actuators),
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
-        })
+        };
+        if let Some(setup) = self.bus_setup() {
+            setup.put(&mut settings);
+        }
+        Ok(settings)
     }
 
     /// The drives of the joints: those of the file, or ideal torque sources.

@@ -11,7 +11,7 @@ use fivebar_files::job::{Job, Pause};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
-use fivebar_firmware::{Move, Planner, Settings, Status};
+use fivebar_firmware::{Move, Planner, Status};
 use fivebar_sim::drive::{Drive, DriveError, Homing};
 use fivebar_sim::simulation::{Sample, Trace};
 use fivebar_sim::time_optimal::JobPlanner;
@@ -52,14 +52,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
-    let settings = settings(&scenario.robot)?;
+    let settings = scenario.robot.settings().map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
 
     args.log.prepare()?;
     let interrupted = interrupted()?;
     let (mut client, identity) = args.port.open()?;
-    refuse_other(identity.board, scenario.robot.has_steppers())?;
+    refuse_other(identity.board, drives(&scenario.robot))?;
     let wants_stop = || interrupted.load(Ordering::Relaxed);
     let mut drive = Drive::new(&mut client, &wants_stop);
     let lengths = path_lengths(&scenario, &job);
@@ -126,34 +126,35 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     logged
 }
 
-/// The robot's settings, if a board has an image for its motors.
-fn settings(robot: &Robot) -> Result<Settings, Failure> {
-    if !robot.has_steppers() {
-        robot.brushed().map_err(refused)?;
+/// What turns a robot's joints, and the image of the firmware for it.
+fn drives(robot: &Robot) -> (&'static str, &'static str) {
+    if robot.has_steppers() {
+        ("steppers", "stm32f405_stepper")
+    } else if robot.can_drives().is_some() {
+        ("drives on a CAN bus", "stm32f405_can")
+    } else {
+        ("brushed motors", "stm32f405")
     }
-    robot.settings().map_err(refused)
 }
 
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
 /// else.
-fn refuse_other(board: Board, has_steppers: bool) -> Result<(), Failure> {
-    let reason = match (board, has_steppers) {
-        (Board::Emulated, _) => {
-            "an emulated board has no motors; run the job on it with `fivebar pil`"
+fn refuse_other(board: Board, (wanted, image): (&str, &str)) -> Result<(), Failure> {
+    let of_board = match board {
+        Board::Emulated => {
+            let reason = "an emulated board has no motors; run the job on it with `fivebar pil`";
+            return Err(Failure::Refused(reason.into()));
         }
-        (Board::Desktop | Board::Stm32f405, true) => {
-            "the controller is for brushed motors and the robot has steppers; \
-             write the image `stm32f405_stepper` to the board"
-        }
-        (Board::Stm32f405Stepper, false) => {
-            "the controller is for steppers and the robot has other motors; \
-             write the image `stm32f405` to the board"
-        }
-        (Board::Desktop | Board::Stm32f405, false) | (Board::Stm32f405Stepper, true) => {
-            return Ok(());
-        }
+        Board::Desktop | Board::Stm32f405 => "brushed motors",
+        Board::Stm32f405Stepper => "steppers",
+        Board::Stm32f405Can => "drives on a CAN bus",
     };
-    Err(Failure::Refused(reason.into()))
+    if of_board == wanted {
+        return Ok(());
+    }
+    Err(refused(format_args!(
+        "the controller is for {of_board} and the robot has {wanted}; write the image `{image}` to the board"
+    )))
 }
 
 /// The job's moves from where the arm is, and the pauses between them.

@@ -3,8 +3,7 @@
 //! The mailboxes take fewer frames than a tick has, so the rest waits here until one is free. At the beginning of the next
 //! tick what has not begun to go over the bus is dropped: an old torque never arrives late.
 
-use crate::drives::can::{Frame, MOST_FRAMES};
-use heapless::Vec;
+use super::{Frame, Frames};
 
 /// Frames that a tick takes over, at most: as many as two FIFOs of three frames hold. So a bus that is full of frames with
 /// the drives' identifiers costs a tick no more time.
@@ -28,7 +27,7 @@ pub trait CanController {
 /// The frames of the tick that are in no mailbox yet.
 #[derive(Clone, Debug, Default)]
 pub struct WaitingFrames {
-    frames: Vec<Frame, MOST_FRAMES>,
+    frames: Frames,
     /// How many of them are in a mailbox.
     put: usize,
 }
@@ -47,10 +46,11 @@ impl WaitingFrames {
         }
     }
 
-    /// Sends the frames of the tick, in this order.
+    /// Sends the frames of the tick that `make` makes in their place, in this order.
     #[inline]
-    pub fn send(&mut self, can: &mut impl CanController, frames: Vec<Frame, MOST_FRAMES>) {
-        (self.frames, self.put) = (frames, 0);
+    pub fn send(&mut self, can: &mut impl CanController, make: impl FnOnce(&mut Frames)) {
+        make(&mut self.frames);
+        self.put = 0;
         self.fill(can);
     }
 
@@ -69,6 +69,7 @@ impl WaitingFrames {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use heapless::Vec;
 
     /// A controller with three mailboxes, the first of which may be on its way.
     #[derive(Default)]
@@ -113,8 +114,8 @@ mod tests {
         Frame::new(id, [0; 8])
     }
 
-    fn frames(ids: [u16; 4]) -> Vec<Frame, MOST_FRAMES> {
-        ids.into_iter().map(frame).collect()
+    fn frames(ids: [u16; 4]) -> impl FnOnce(&mut Frames) {
+        move |frames| *frames = ids.into_iter().map(frame).collect()
     }
 
     #[test]
