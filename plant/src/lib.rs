@@ -34,7 +34,7 @@ mod transmission;
 mod wiring;
 mod worn_joints;
 
-pub use can::{BOOT, CanDrive, CanPlant, WATCHDOG, bits_on_bus};
+pub use can::{BOOT, BusEvent, CanDrive, CanPlant, WATCHDOG, Wires, bits_on_bus};
 pub use chain::{Chain, JOINTS, PerJoint};
 pub use drive::DriveState;
 pub use drives::{Drives, Energy};

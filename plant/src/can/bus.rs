@@ -42,8 +42,8 @@ pub fn bits_on_bus(frame: &Frame) -> u32 {
 /// Bits until the bus is free again after a frame that an error has hit: its own, and those of the error.
 const ERROR_BITS: u32 = 23;
 
-/// Who has a frame to send: the controller, or the drive of a joint.
-const SENDERS: usize = 3;
+/// Who has a frame to send: the controller, the drive of a joint, or somebody else.
+const SENDERS: usize = 4;
 
 /// The bus with the frames that wait for it.
 #[derive(Clone, Debug, Default)]
@@ -81,6 +81,29 @@ impl Bus {
             let again = if is_hit() { bits + ERROR_BITS } else { 0 };
             let time = f64::from(bits + again) / f64::from(BIT_RATE);
             self.moving = Some((sender, frame, time));
+        }
+    }
+
+    /// What a sender wants to send next, in the place of all that it wanted before.
+    pub(super) fn offer(&mut self, sender: usize, frame: Option<Frame>) {
+        self.waiting[sender].clear();
+        self.waiting[sender].extend(frame);
+    }
+
+    /// Whether somebody has a frame to send on a free bus.
+    pub(super) fn can_begin(&self) -> bool {
+        self.moving.is_none() && self.waiting.iter().any(|frames| !frames.is_empty())
+    }
+
+    /// Who sends the frame that is on its way.
+    pub(super) fn sender(&self) -> Option<usize> {
+        self.moving.map(|(sender, ..)| sender)
+    }
+
+    /// An error ends the frame that is on its way after so many bits.
+    pub(super) fn spoil(&mut self, bits: impl FnOnce(&Frame) -> u32) {
+        if let Some((_, frame, time)) = &mut self.moving {
+            *time = f64::from(bits(frame) + ERROR_BITS) / f64::from(BIT_RATE);
         }
     }
 

@@ -4,12 +4,14 @@ mod bus;
 mod drive;
 mod plant;
 mod protocol;
+mod wires;
 
 use crate::fault::FaultKind;
 use crate::mismatch::Mismatch;
 pub use bus::bits_on_bus;
 pub use drive::{BOOT, CanDrive, WATCHDOG};
 pub use plant::CanPlant;
+pub use wires::{BusEvent, Wires};
 
 impl Mismatch {
     /// The name of the first effect that is simulated with brushed motors only.

@@ -7,6 +7,7 @@
 use super::bus::Bus;
 use super::drive::{CanDrive, DriveOnBus, PERIOD};
 use super::protocol::{Answer, Order, answer, by_itself, orders};
+use super::wires::Wires;
 use crate::drives::Drives;
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
@@ -21,19 +22,19 @@ use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
 
 /// What is left of a time by rounding is shorter [s].
-const SHORTEST_STEP: f64 = 1e-12;
+pub(super) const SHORTEST_STEP: f64 = 1e-12;
 /// The controller as a sender on the bus; the drives follow.
-const CONTROLLER: usize = 0;
+pub(super) const CONTROLLER: usize = 0;
 
 /// An arm with two torque drives on a CAN bus.
 #[derive(Clone, Debug)]
 pub struct CanPlant {
     arm: Plant,
     protocol: Protocol,
-    drives: [DriveOnBus; 2],
-    bus: Bus,
+    pub(super) drives: [DriveOnBus; 2],
+    pub(super) bus: Bus,
     /// Frames that the controller has received since it last took them.
-    received: Vec<Frame>,
+    pub(super) received: Vec<Frame>,
     /// Counts per turn of each drive's shaft, and the counts where it tells 0.
     counts_per_turn: [f64; 2],
     zero: [i32; 2],
@@ -42,9 +43,12 @@ pub struct CanPlant {
     /// By this factor the drives make other torques than they tell.
     torque_factor: [f64; 2],
     /// Time until each drive sends its next frame by itself [s].
-    until_told: [f64; 2],
+    pub(super) until_told: [f64; 2],
     /// Time until the drives' loops have their next turn [s].
     until_turn: f64,
+    /// What is wrong with the wires, and whether it spoils the frame that is on its way.
+    pub(super) wires: Wires,
+    pub(super) is_spoilt: bool,
     /// The share of the frames that an error hits.
     error_share: f64,
     noise: Noise,
@@ -96,6 +100,8 @@ impl CanPlant {
             torque_factor: mismatch.torque_constant.map(|excess| 1.0 + excess),
             until_told: [0.0; 2],
             until_turn: 0.0,
+            wires: Wires::Whole,
+            is_spoilt: false,
             error_share: 0.0,
             noise: Noise::new(seed),
         }
@@ -109,6 +115,22 @@ impl CanPlant {
     /// Advances by one tick of `period` [s], at whose beginning the controller sends these frames, and by the ticks that
     /// it misses, in which it sends none.
     pub fn step(&mut self, frames: &[Frame], brake: bool, tool: Share, period: f64) {
+        let missed = self.follow_faults();
+        if self.is_bus_off() {
+            self.bus.forget(CONTROLLER);
+        } else {
+            for &frame in frames {
+                self.bus.put(CONTROLLER, frame);
+            }
+        }
+        let command = command(brake, tool);
+        for _ in 0..=missed {
+            self.tick(&command, period);
+        }
+    }
+
+    /// Lets the drives follow the faults that are due. Returns how many ticks the controller misses.
+    pub(super) fn follow_faults(&mut self) -> u32 {
         let missed = self.arm.begin_tick();
         for j in Joint::ALL {
             if self.arm.faults.cut_off[j] {
@@ -120,27 +142,27 @@ impl CanPlant {
                 self.bus.forget(sender(j));
             }
         }
-        if self.is_bus_off() {
-            self.bus.forget(CONTROLLER);
-        } else {
-            for &frame in frames {
-                self.bus.put(CONTROLLER, frame);
-            }
-        }
-        let command = ActuatorCommand {
-            drives: BrushedCommand::default(),
-            enable: [false; 2],
-            brake,
-            tool,
-        };
-        for _ in 0..=missed {
-            self.tick(&command, period);
-        }
+        missed
     }
 
     fn tick(&mut self, command: &ActuatorCommand, period: f64) {
+        self.beat(period);
+        let mut left = period;
+        while left > SHORTEST_STEP {
+            let (share, noise) = (self.error_share, &mut self.noise);
+            self.bus.begin(|| share > 0.0 && noise.uniform() < share);
+            let (step, ended) = self.slice(command, left);
+            left -= step;
+            if let Some((from, frame)) = ended {
+                self.arrive(from, &frame);
+            }
+        }
+    }
+
+    /// Lets this time pass for what the drives send by themselves [s].
+    pub(super) fn beat(&mut self, time: f64) {
         for j in Joint::ALL {
-            self.until_told[j] -= period;
+            self.until_told[j] -= time;
             if self.until_told[j] <= 0.0 && !self.drives[j].is_silent() {
                 self.until_told[j] += f64::from(odrive::PERIOD);
                 let told = self.told(j);
@@ -149,26 +171,27 @@ impl CanPlant {
                 }
             }
         }
-        let mut left = period;
-        while left > SHORTEST_STEP {
-            let (share, noise) = (self.error_share, &mut self.noise);
-            self.bus.begin(|| share > 0.0 && noise.uniform() < share);
-            if self.until_turn < SHORTEST_STEP {
-                self.until_turn += PERIOD;
-                for j in Joint::ALL {
-                    let turns = self.turns(j);
-                    self.drives[j].turn(turns);
-                }
-            }
-            let step = left.min(self.until_turn);
-            let step = self.bus.time_left().map_or(step, |end| end.min(step));
-            self.advance(command, step);
-            left -= step;
-            self.until_turn -= step;
-            if let Some((from, frame)) = self.bus.pass(step) {
-                self.arrive(from, &frame);
+    }
+
+    /// Lets this time pass [s], at most to the next turn of the drives' loops, or to the end of the frame on its way. Returns the
+    /// time, and the frame that has ended with its sender.
+    pub(super) fn slice(
+        &mut self,
+        command: &ActuatorCommand,
+        most: f64,
+    ) -> (f64, Option<(usize, Frame)>) {
+        if self.until_turn < SHORTEST_STEP {
+            self.until_turn += PERIOD;
+            for j in Joint::ALL {
+                let turns = self.turns(j);
+                self.drives[j].turn(turns);
             }
         }
+        let step = most.min(self.until_turn);
+        let step = self.bus.time_left().map_or(step, |end| end.min(step));
+        self.advance(command, step);
+        self.until_turn -= step;
+        (step, self.bus.pass(step))
     }
 
     /// One step of the mechanics by the drives' torques.
@@ -185,7 +208,7 @@ impl CanPlant {
     }
 
     /// A frame has gone over the bus.
-    fn arrive(&mut self, from: usize, frame: &Frame) {
+    pub(super) fn arrive(&mut self, from: usize, frame: &Frame) {
         if from != CONTROLLER {
             if !self.is_bus_off() {
                 self.received.push(*frame);
@@ -282,6 +305,16 @@ impl CanPlant {
     /// True position of the tool [m].
     pub fn tool(&self) -> Vector2<f64> {
         self.arm.tool()
+    }
+}
+
+/// The command of an arm whose bridges are off.
+pub(super) fn command(brake: bool, tool: Share) -> ActuatorCommand {
+    ActuatorCommand {
+        drives: BrushedCommand::default(),
+        enable: [false; 2],
+        brake,
+        tool,
     }
 }
 

@@ -6,6 +6,7 @@ use crate::held;
 use crate::link::{Client, LinkError};
 use crate::measured_pose::measured_pose;
 use fivebar_files::job::Pause;
+use fivebar_firmware::drives::can::BusSetup;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, SectionKey};
 use fivebar_firmware::safety::State;
@@ -64,7 +65,11 @@ impl<'a, L: Read + Write> Drive<'a, L> {
     /// A setting that is refused, or that the board refuses.
     pub fn store_settings(&mut self, settings: &Settings) -> Result<(), DriveError> {
         self.client.write_settings(settings)?.map_err(|error| {
-            match BoardLimits::STM32F405.check(settings) {
+            let limits = match BusSetup::of(settings) {
+                Some(_) => BoardLimits::STM32F405_CAN,
+                None => BoardLimits::STM32F405,
+            };
+            match limits.check(settings) {
                 Err(bound) if error == CommandError::Settings => DriveError::Settings(bound),
                 _ => DriveError::refused("use the settings", error),
             }

@@ -11,6 +11,7 @@ use crate::peripherals::pulse_timer::PulseTimer;
 use crate::peripherals::pwm_timer::PwmTimer;
 use crate::peripherals::tick_timer::TickTimer;
 use crate::violation::{Access, refuse};
+use fivebar_kinematics::five_bar::Joint;
 
 /// Offset of a timer's counter.
 const COUNTER: u32 = 0x24;
@@ -65,6 +66,8 @@ impl Mcu {
             Unit::Pulse if self.has_steppers() => self.tim8.read(offset, self.now),
             Unit::Pulse => self.pulse.read(offset),
             Unit::Ticks => self.ticks.read(offset, self.now),
+            Unit::Encoder(Joint::Joint1) if self.is_on_bus() => self.ticks.read(offset, self.now),
+            Unit::Can => self.can.read(offset)?,
             Unit::Encoder(joint) => {
                 self.follow_encoder(joint, self.now);
                 if offset == COUNTER {
@@ -125,6 +128,10 @@ impl Mcu {
                 let clock = self.pulse_clock();
                 self.pulse.write(offset, value, self.now, clock)
             }
+            Unit::Encoder(Joint::Joint1) if self.is_on_bus() => {
+                self.ticks.write(offset, value, self.now)
+            }
+            Unit::Can => self.can.write(offset, value, self.now),
             Unit::Encoder(joint) => {
                 self.follow_encoder(joint, self.now);
                 self.encoders[joint].write(offset, value)
@@ -164,7 +171,11 @@ impl Mcu {
             self.pulse = PulseTimer::new();
             self.tim8.reset();
         }
-        if self.rcc.in_reset(3) >> 2 & 1 != 0 {
+        let ticks = if self.is_on_bus() { 3 } else { 2 };
+        if self.rcc.in_reset(3) >> 25 & 1 != 0 {
+            self.can.reset();
+        }
+        if self.rcc.in_reset(3) >> ticks & 1 != 0 {
             self.ticks = TickTimer::new(self.core * self.rcc.timer_cycles(0));
         }
         if self.rcc.in_reset(4) >> 18 & 1 != 0 {

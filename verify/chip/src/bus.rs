@@ -23,6 +23,8 @@ pub(crate) enum Unit {
     /// TIM11.
     Capture,
     Usart1,
+    /// CAN1.
+    Can,
     Iwdg,
     Pwr,
     Gpio(u8),
@@ -35,7 +37,7 @@ pub(crate) enum Unit {
 type Gate = Option<(usize, u32)>;
 
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
-const MAP: [(u32, u32, Unit, Gate); 17] = [
+const MAP: [(u32, u32, Unit, Gate); 18] = [
     (
         0x4000_0000,
         0x400,
@@ -51,6 +53,7 @@ const MAP: [(u32, u32, Unit, Gate); 17] = [
         Some((3, 3)),
     ),
     (0x4000_3000, 0x400, Unit::Iwdg, None),
+    (0x4000_6400, 0x400, Unit::Can, Some((3, 25))),
     (0x4000_7000, 0x400, Unit::Pwr, Some((3, 28))),
     (0x4001_0000, 0x400, Unit::Tim1, Some((4, 0))),
     (0x4001_0400, 0x400, Unit::Pulse, Some((4, 1))),

@@ -9,6 +9,7 @@ use crate::defect::Defect;
 use crate::figures::Figures;
 use crate::image::{CODE, Image};
 use crate::mcu::{Mcu, Options, RAM};
+use crate::peripherals::bxcan::CanStatistics;
 use crate::peripherals::flash::{self, FlashEvent};
 use crate::peripherals::reset_cause::ResetCause;
 use crate::peripherals::tim1::RepetitionReading;
@@ -302,9 +303,14 @@ impl Chip {
         mcu.stalled_until > mcu.now && mcu.stalled_until != NEVER
     }
 
-    /// When TIM4 last began a tick.
+    /// When the timer of the ticks last began one, with steppers or drives on a bus.
     pub fn tick_began(&mut self) -> Time {
         self.mcu().ticks.began()
+    }
+
+    /// What CAN1's program has met on the bus.
+    pub fn can_statistics(&mut self) -> CanStatistics {
+        self.mcu().can.statistics
     }
 
     /// TIM1's counter when it last triggered the converters.
@@ -370,7 +376,7 @@ impl Drop for Chip {
         let cpu = self.cpu_mut();
         cpu.figures.look_at_stack(&cpu.mcu.ram);
         // The figures are those of the image for brushed motors.
-        if !cpu.mcu.has_steppers() {
+        if cpu.mcu.has_brushed_motors() {
             cpu.figures.store();
         }
         // SAFETY: it came from a box and is not used again.

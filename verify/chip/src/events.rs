@@ -22,6 +22,7 @@ impl Mcu {
             .min(self.pulse.due())
             .min(self.tim8.due())
             .min(self.ticks.due())
+            .min(self.can.due())
             .min(self.tool.due())
             .min(self.adc.due())
             .min(self.usart.due())
@@ -46,6 +47,12 @@ impl Mcu {
     fn dispatch(&mut self, at: Time) {
         if self.wiring.due() <= at {
             self.wiring.advance(at);
+            while let Some(event) = self.wiring.bus_event() {
+                self.can.follow(&event, at);
+            }
+        }
+        if self.can.due() <= at {
+            self.can.advance(at);
         }
         if self.rcc.due() <= at {
             self.rcc.advance(at);
@@ -205,6 +212,11 @@ impl Mcu {
         self.tim1.set_break(stop, self.rcc.nmi());
         let stop = self.is_alternate(0, 6, 3) && self.level(at, Pin(0, 6));
         self.tim8.set_break(stop, self.rcc.nmi());
+        let connected = self.is_alternate(1, 8, 9) && self.is_alternate(1, 9, 9);
+        self.can.connect(connected);
+        if let Some(frame) = self.can.changed_offer() {
+            self.wiring.offer(at, frame);
+        }
         self.serve_dma(at);
         let outputs = self.drives(at);
         if outputs != self.outputs {
@@ -215,9 +227,13 @@ impl Mcu {
         for (interrupt, level) in [
             (4, self.flash.interrupt()),
             (18, self.adc.interrupt()),
+            (19, self.can.interrupt()),
             (24, self.tim1.break_interrupt()),
             (25, self.tim1.update_interrupt()),
-            (30, self.ticks.interrupt()),
+            (
+                if self.is_on_bus() { 50 } else { 30 },
+                self.ticks.interrupt(),
+            ),
             (37, self.usart.interrupt()),
             (43, self.tim8.break_interrupt()),
             (58, self.dma.interrupt(2)),

@@ -3,6 +3,7 @@
 use crate::defect::Defect;
 use crate::nvic::{NMI, Nvic};
 use crate::peripherals::adc::Adc;
+use crate::peripherals::bxcan::BxCan;
 use crate::peripherals::capture_timer::{CaptureTimer, Clocks};
 use crate::peripherals::dma::Dma;
 use crate::peripherals::encoder_timer::EncoderTimer;
@@ -39,10 +40,21 @@ pub struct Options {
     pub lsi: f64,
     /// Symbols per second that the host sends and receives.
     pub host_baud: u64,
-    /// Whether TIM8 makes the pulses of a stepper; otherwise it makes one pulse for each tick.
-    pub steppers: bool,
+    /// What the image is for.
+    pub drives: DriveKind,
     /// What is wrong with the chip, if something is.
     pub defect: Option<Defect>,
+}
+
+/// What turns the joints. Some timers are simulated only as the image for these uses them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveKind {
+    /// Brushed motors. TIM8 makes one pulse for each tick, TIM5 counts an encoder.
+    Brushed,
+    /// Steppers. TIM8 makes the pulses of one.
+    Steppers,
+    /// Drives on a CAN bus. TIM5 counts the ticks.
+    OnBus,
 }
 
 impl Default for Options {
@@ -53,7 +65,7 @@ impl Default for Options {
             hsi: 16e6,
             lsi: 32e3,
             host_baud: 1_000_000,
-            steppers: false,
+            drives: DriveKind::Brushed,
             defect: None,
         }
     }
@@ -74,8 +86,10 @@ pub(crate) struct Mcu {
     pub(crate) pulse: PulseTimer,
     /// TIM8 with steppers.
     pub(crate) tim8: Tim1,
-    /// TIM4.
+    /// TIM4, or TIM5 with drives on a bus.
     pub(crate) ticks: TickTimer,
+    /// CAN1.
+    pub(crate) can: BxCan,
     pub(crate) encoders: [EncoderTimer; 2],
     /// TIM3.
     pub(crate) tool: PwmTimer,
@@ -125,6 +139,7 @@ impl Mcu {
             pulse: PulseTimer::new(),
             tim8: Tim1::tim8(core),
             ticks: TickTimer::new(core),
+            can: BxCan::new(),
             encoders: [EncoderTimer::new(), EncoderTimer::new()],
             tool: PwmTimer::new(core),
             capture: CaptureTimer::new(),
@@ -162,6 +177,7 @@ impl Mcu {
         self.pulse = PulseTimer::new();
         self.tim8.reset();
         self.ticks = TickTimer::new(self.core);
+        self.can = BxCan::new();
         self.encoders = [EncoderTimer::new(), EncoderTimer::new()];
         self.tool = PwmTimer::new(self.core);
         self.capture = CaptureTimer::new();
@@ -215,6 +231,7 @@ impl Mcu {
         self.tool
             .set_clock(self.core * self.rcc.timer_cycles(0), at);
         self.usart.set_clock(self.bus_period(1));
+        self.can.set_clock(self.bus_period(0));
         if let Some(rule) = self.rcc.check_limits(self.flash.wait_states()) {
             self.note::<()>(refuse("RCC", self.rcc.read(8), rule));
         }
@@ -226,7 +243,17 @@ impl Mcu {
 
     /// Whether TIM8 makes the pulses of a stepper.
     pub(crate) fn has_steppers(&self) -> bool {
-        self.options.steppers
+        self.options.drives == DriveKind::Steppers
+    }
+
+    /// Whether the drives are on a bus.
+    pub(crate) fn is_on_bus(&self) -> bool {
+        self.options.drives == DriveKind::OnBus
+    }
+
+    /// Whether the figures of the image for brushed motors are collected.
+    pub(crate) fn has_brushed_motors(&self) -> bool {
+        self.options.drives == DriveKind::Brushed
     }
 
     pub(crate) fn pulse_clock(&self) -> Time {

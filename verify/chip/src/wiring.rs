@@ -5,7 +5,9 @@ use crate::peripherals::gpio::Pin;
 use crate::peripherals::pwm_timer::Pulses;
 use crate::peripherals::tim1::Output;
 use crate::time::{NEVER, Time};
+use fivebar_firmware::drives::can::Frame;
 use fivebar_kinematics::five_bar::Joint;
+use fivebar_plant::BusEvent;
 
 /// What the chip drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +54,14 @@ pub trait Wiring {
 
     /// The code of a sample. `edges` are those at the inputs of both bridges.
     fn sample(&mut self, window: &SampleWindow, edges: &[Edges; 2]) -> u16;
+
+    /// The frame that CAN1 sends next, if it has one that is not on its way.
+    fn offer(&mut self, _now: Time, _frame: Option<Frame>) {}
+
+    /// What has happened on the bus, one by one.
+    fn bus_event(&mut self) -> Option<BusEvent> {
+        None
+    }
 
     /// When something changes by itself.
     fn due(&self) -> Time {

@@ -153,7 +153,7 @@ impl Bench {
             ..Drivers::default()
         })));
         let options = Options {
-            steppers: true,
+            drives: fivebar_chip::DriveKind::Steppers,
             ..Options::default()
         };
         let chip = Chip::new(

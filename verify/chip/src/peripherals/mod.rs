@@ -2,6 +2,7 @@
 //! function of one that is not, ends the run.
 
 pub(crate) mod adc;
+pub(crate) mod bxcan;
 pub(crate) mod capture_timer;
 pub(crate) mod dma;
 pub(crate) mod encoder_timer;

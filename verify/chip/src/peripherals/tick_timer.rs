@@ -1,4 +1,4 @@
-//! TIM4 as the timer of the ticks: it counts up, and its update raises an interrupt and is its trigger output.
+//! TIM4, or TIM5 with drives on a bus, as the timer of the ticks: it counts up, and its update raises an interrupt and is its trigger output.
 
 use crate::register::Register;
 use crate::time::{NEVER, Time};
@@ -16,6 +16,7 @@ pub(crate) struct TickTimer {
     cr2: Register,
     dier: Register,
     sr: Register,
+    /// TIM4 has 16 bits of it.
     arr: Register,
     /// Period of the timer's clock.
     clock: Time,
@@ -26,11 +27,11 @@ pub(crate) struct TickTimer {
 impl TickTimer {
     pub(crate) fn new(clock: Time) -> Self {
         Self {
-            cr1: Register::new("TIM4_CR1", 0, 1, 0),
-            cr2: Register::new("TIM4_CR2", 0, 0x70, 0),
-            dier: Register::new("TIM4_DIER", 0, 1, 0),
-            sr: Register::new("TIM4_SR", 0, 0, 0x1e5f),
-            arr: Register::new("TIM4_ARR", 0xffff, 0xffff, 0),
+            cr1: Register::new("TIMx_CR1", 0, 1, 0),
+            cr2: Register::new("TIMx_CR2", 0, 0x70, 0),
+            dier: Register::new("TIMx_DIER", 0, 1, 0),
+            sr: Register::new("TIMx_SR", 0, 0, 0x1e5f),
+            arr: Register::new("TIMx_ARR", !0, !0, 0),
             clock,
             origin: 0,
         }
@@ -91,7 +92,7 @@ impl TickTimer {
                 let ran = self.runs();
                 self.cr1.write(value)?;
                 if ran {
-                    return refuse("TIM4_CR1", value, "only its start is simulated");
+                    return refuse("TIMx_CR1", value, "only its start is simulated");
                 }
                 self.origin = now;
                 Ok(())
@@ -103,10 +104,10 @@ impl TickTimer {
                 self.sr.value &= value;
                 Ok(())
             }
-            0x2c if self.runs() => refuse("TIM4_ARR", value, "it changes while the counter runs"),
+            0x2c if self.runs() => refuse("TIMx_ARR", value, "it changes while the counter runs"),
             0x2c => self.arr.write(value),
             _ => refuse(
-                "TIM4",
+                "TIMx",
                 value,
                 format!("offset {offset:#x} is not simulated"),
             ),
