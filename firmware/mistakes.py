@@ -367,6 +367,10 @@ MISTAKES = [
     ("lost counts leave the arm homed", "safety/fault.rs", "                | Self::EncoderStuck\n                | Self::LostCounts\n", "                | Self::EncoderStuck\n"),
     ("a period of steps one clock longer", "drivers/steps.rs", "top: period as u16 - 1,", "top: period as u16,"),
     ("the direction changes within pulses", "drivers/steps.rs", "if turns && self.now == 0 {", "if turns {"),
+    ("frames of an old tick stay", "drives/can/waiting.rs", "        self.frames.clear();\n        can.abort();\n", "        can.abort();\n"),
+    ("mailboxes of an old tick stay", "drives/can/waiting.rs", "        can.abort();\n", ""),
+    ("the fourth frame of a tick is lost", "drives/can/waiting.rs", "self.frames.iter().skip(self.put)", "self.frames.iter().take(3).skip(self.put)"),
+    ("two drives of one node", "drives/can/setup.rs", "(node1 != node4 && ", "("),
 ]
 
 

@@ -133,6 +133,17 @@ MISTAKES = [
     ("steps: repetitions that end within a tick", "board/stm32f405/stepper/timers.rs", "const NO_REPETITION_ENDS: u8 = u8::MAX;", "const NO_REPETITION_ENDS: u8 = 3;"),
     ("steps: a compare value without preload", "board/stm32f405/stepper/timers.rs", "w.oc3m().pwm_mode2().oc3pe().enabled()", "w.oc3m().pwm_mode2().oc3pe().disabled()"),
     ("steps: joint 4's direction inverted", "board/stm32f405/stepper/outputs.rs", "set_state(axis4.forwards().into())", "set_state((!axis4.forwards()).into())"),
+    ("can: no interrupt of a free mailbox", "board/stm32f405/can/bxcan.rs", "w.bits(MAILBOX_FREE)", "w.bits(0)"),
+    ("can: the prescaler of the bit rate", "board/stm32f405/can/bxcan.rs", "| (3 - 1);", "| (4 - 1);"),
+    ("can: mailboxes leave by identifier", "board/stm32f405/can/bxcan.rs", "HALT_WITH_CORE | RETURN_BY_ITSELF | IN_ORDER", "HALT_WITH_CORE | RETURN_BY_ITSELF"),
+    ("can: no return after a bus off", "board/stm32f405/can/bxcan.rs", "HALT_WITH_CORE | RETURN_BY_ITSELF | IN_ORDER", "HALT_WITH_CORE | IN_ORDER"),
+    ("can: an old frame is not taken back", "board/stm32f405/can/bxcan.rs", "w.bits(ABORT)", "w.bits(0)"),
+    ("can: a FIFO is not released", "board/stm32f405/can/bxcan.rs", "w.bits(RELEASE)", "w.bits(0)"),
+    ("can: the second filter is off", "board/stm32f405/can/bxcan.rs", "can.fa1r().write(|w| w.bits(0b11));", "can.fa1r().write(|w| w.bits(0b01));"),
+    ("can: a bus off is not looked at", "board/stm32f405/can/bxcan.rs", "can.esr().read().bits() & BUS_OFF != 0 || ", ""),
+    ("can: no last frames", "board/stm32f405/can/stop.rs", "            bxcan::put(can, words);\n", "            let _ = words;\n"),
+    ("can: it stays on the bus without its crystal", "board/stm32f405/can/image.rs", "    bxcan::leave();\n", ""),
+    ("can: requests have data", "board/stm32f405/can/bxcan.rs", "None => [id | REMOTE, ", "None => [id, "),
 ]
 
 

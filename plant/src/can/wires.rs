@@ -50,7 +50,7 @@ impl CanPlant {
         self.bus.put(STRANGER, frame);
     }
 
-    /// Breaks the wires, or mends them.
+    /// Breaks the wires, or repairs them.
     pub fn set_wires(&mut self, wires: Wires) {
         self.wires = wires;
     }

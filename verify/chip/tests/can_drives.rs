@@ -337,7 +337,7 @@ fn a_drive_that_is_silent_or_resets_leaves_both_without_torque_within_3_ms() {
 }
 
 #[test]
-fn shorted_wires_take_the_chip_off_the_bus_and_it_returns_when_they_are_mended() {
+fn shorted_wires_take_the_chip_off_the_bus_and_it_returns_when_they_are_whole() {
     let mut bench = Bench::moving(leg());
     // Behind the answers of a tick: the next one finds out. Earlier in a tick the answers that are missing may come first.
     let began = bench.line.chip().tick_began();
