@@ -6,7 +6,9 @@ use fivebar_firmware::drives::can::mit::Ranges;
 use fivebar_firmware::drives::can::odrive::{self, Message};
 use fivebar_firmware::drives::can::{Frame, Protocol, sensed_after};
 use fivebar_kinematics::five_bar::{Joint, Pose};
-use fivebar_plant::{CanDrive, CanPlant, FaultKind, Mismatch, Parameters, WATCHDOG};
+use fivebar_plant::{
+    BusEvent, CanDrive, CanPlant, FaultKind, Mismatch, Parameters, WATCHDOG, Wires, bits_on_bus,
+};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -242,4 +244,59 @@ fn a_drive_that_hears_nothing_ends_its_torque_by_its_watchdog_and_one_that_reset
         tick(&mut plant, &[]);
     }
     assert_eq!(answers(&tick(&mut plant, &asks)), [1, 1]);
+}
+
+/// What a controller sees of the bus in this time [s] that offers this frame once, each with its time [µs].
+fn seen(plant: &mut CanPlant, offered: Frame, time: f64) -> Vec<(f64, BusEvent)> {
+    plant.offer(Some(offered));
+    let (mut now, mut events) = (0.0, Vec::new());
+    while now < time {
+        let (passed, event) = plant.pass(true, 0, time - now);
+        now += passed;
+        events.extend(event.map(|event| (1e6 * now, event)));
+        if event == Some(BusEvent::Began) {
+            plant.offer(None);
+        }
+    }
+    events
+}
+
+#[test]
+fn a_controller_that_offers_a_frame_sees_it_begin_and_end_among_those_of_the_drives() {
+    let mut plant = arm(Protocol::Odrive);
+    let asked = odrive::ask_for_estimates(1);
+    let events = seen(&mut plant, asked, 1e-3);
+    let ids: Vec<Option<u16>> = events
+        .iter()
+        .map(|(_, event)| match event {
+            BusEvent::Received(frame) => Some(frame.id),
+            _ => None,
+        })
+        .collect();
+    // The heartbeat of joint 1 is before the question, its answer before the heartbeat of joint 4.
+    assert_eq!(ids, [Some(0x21), None, None, Some(0x29), Some(0x41)]);
+    let [_, (begun, began), (ended, sent), ..] = events[..] else {
+        panic!("{events:?}");
+    };
+    assert_eq!((began, sent), (BusEvent::Began, BusEvent::Sent));
+    let bits = f64::from(bits_on_bus(&asked));
+    assert!((ended - begun - bits).abs() < 0.2, "{begun} {ended} {bits}");
+}
+
+#[test]
+fn a_frame_on_shorted_wires_or_that_nobody_takes_fails() {
+    for (wires, acknowledged) in [(Wires::Shorted, true), (Wires::Whole, false)] {
+        let mut plant = arm(Protocol::Mit(MIT));
+        plant.set_wires(wires);
+        if wires == Wires::Whole {
+            for joint in Joint::ALL {
+                plant.arm_mut().inject(FaultKind::CanSilent { joint });
+            }
+        }
+        let asked = fivebar_firmware::drives::can::mit::enable(1, true);
+        let events = seen(&mut plant, asked, 1e-3);
+        let failed = BusEvent::Failed { acknowledged };
+        let events: Vec<BusEvent> = events.into_iter().map(|(_, event)| event).collect();
+        assert_eq!(events, [BusEvent::Began, failed]);
+    }
 }
