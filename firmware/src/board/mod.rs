@@ -12,6 +12,7 @@
 //! |---|---|---|---|
 //! | `stm32f405` | the PWM timer, 10 kHz | timers, converters, bridges | in flash |
 //! | `stm32f405/stepper`, an image of that board | a timer, 10 kHz | the steps made, step/dir drivers | in flash |
+//! | `stm32f405/can`, an image of that board | a timer, 1 kHz | frames of a CAN bus | in flash |
 //! | `emulated` | the host | frames | none |
 //!
 //! What a host has to know of a board stands where the host reads it: its name in

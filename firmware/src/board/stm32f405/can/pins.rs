@@ -24,7 +24,7 @@ pub type Switches = Inputs<
     Level<true>,
 >;
 
-/// In the place of an input whose news comes over the bus, or that the drives do not have: an index output without a pulse,
+/// In the place of an input that the drives do not have, because they tell over the bus what it would: an index output without a pulse,
 /// a fault output without a fault.
 pub struct Level<const HIGH: bool>;
 
