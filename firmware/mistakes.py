@@ -370,7 +370,7 @@ MISTAKES = [
     ("frames of an old tick stay", "drives/can/waiting.rs", "        self.frames.clear();\n        can.abort();\n", "        can.abort();\n"),
     ("mailboxes of an old tick stay", "drives/can/waiting.rs", "        can.abort();\n", ""),
     ("the fourth frame of a tick is lost", "drives/can/waiting.rs", "self.frames.iter().skip(self.put)", "self.frames.iter().take(3).skip(self.put)"),
-    ("two drives of one node", "drives/can/setup.rs", "(node1 != node4 && ", "("),
+    ("two drives of one node", "settings/bus.rs", "kind == other && node1 != node4", "kind == other"),
 ]
 
 

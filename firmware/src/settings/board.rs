@@ -1,7 +1,6 @@
 //! What a board can do with settings that are valid by themselves.
 
 use super::{HomingMethod, Settings, SettingsError};
-use crate::drives::can::BusSetup;
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 
@@ -44,7 +43,7 @@ impl BoardLimits {
     };
 
     /// The STM32F405 with torque drives on its CAN bus, which count and guard their motors themselves. The tick rate is that
-    /// at which both protocols' frames fit on the bus ([`most_load`](crate::drives::can::most_load)).
+    /// at which both protocols' frames fit on the bus: `drives::can::most_load`.
     pub const STM32F405_CAN: Self = Self {
         tick_rate: 1_000,
         count_rate: u32::MAX,
@@ -82,7 +81,7 @@ impl BoardLimits {
         if absolute && !self.absolute_encoders {
             return Err(SettingsError::BoardEncoders);
         }
-        if self.drives_on_bus && BusSetup::of(settings).is_none() {
+        if self.drives_on_bus && settings.bus_drives().is_none() {
             return Err(SettingsError::BoardBus);
         }
         Ok(())

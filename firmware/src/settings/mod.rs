@@ -6,6 +6,7 @@ mod arm;
 mod belt;
 mod benchtop;
 mod board;
+mod bus;
 mod check;
 mod checked;
 mod encoder_table;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 pub use belt::{BeltSettings, MOST_LATE_TICKS};
 pub use board::BoardLimits;
+pub use bus::BusKind;
 pub use checked::CheckedSettings;
 pub use encoder_table::{ENCODER_POINTS, ENCODER_UNIT, EncoderTable};
 pub use error::SettingsError;

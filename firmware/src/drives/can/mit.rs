@@ -9,9 +9,10 @@
 //! github.com/jia-xie/python-damiao-driver for Damiao's. Only Damiao's tell their state.
 
 use super::{Frame, Payload};
+use crate::settings::BusKind;
 
-/// The greatest node: the upper half of an answer's first byte is the drive's state.
-pub const MOST_NODE: u8 = 15;
+/// The greatest node.
+pub const MOST_NODE: u8 = BusKind::Mit.most_node();
 
 /// The identifier of answers: that of the controller.
 pub const ANSWER: u16 = 0;

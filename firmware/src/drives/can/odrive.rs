@@ -4,9 +4,10 @@
 //! are of the motor's shaft.
 
 use super::{Frame, Payload};
+use crate::settings::BusKind;
 
 /// The greatest node.
-pub const MOST_NODE: u8 = 63;
+pub const MOST_NODE: u8 = BusKind::Odrive.most_node();
 /// Time between two heartbeats of a drive [s]: its user sets `heartbeat_msg_rate_ms` to 10, and the rates of all other
 /// messages to 0.
 pub const PERIOD: f32 = 0.01;

@@ -9,16 +9,10 @@
 //! | `current_per_code` | the greatest torque of a command [N·m] |
 //! | `thermal_time_constant` | of MIT-type drives: the greatest velocity of their frames [rad/s] |
 //! | `index_counts` | of MIT-type drives: the greatest position of their frames [µrad] |
-//!
-//! Both codes are far from 2048, that of a converter's zero, and from the ends of its range.
 
 use super::{Frame, Protocol, mit, odrive};
-use crate::settings::Settings;
+use crate::settings::{BusKind, Settings};
 
-const ODRIVE: u16 = 1024;
-const MIT: u16 = 3072;
-/// Codes of one protocol.
-const CODES: u16 = 1024;
 /// [1/µrad].
 const MICRORADIANS: f32 = 1e6;
 
@@ -34,24 +28,17 @@ pub struct BusSetup {
 impl BusSetup {
     /// What these settings say; none where their drives are on no bus, or cannot share one.
     pub fn of(settings: &Settings) -> Option<Self> {
-        let [axis1, axis4] = &settings.axes;
-        let kind = axis1.current_zero_code / CODES * CODES;
-        let [node1, node4] = [axis1, axis4].map(|axis| axis.current_zero_code.wrapping_sub(kind));
-        let (protocol, most_node) = match kind {
-            ODRIVE => (Protocol::Odrive, odrive::MOST_NODE),
-            MIT => {
-                let ranges = mit::Ranges {
-                    position: axis1.index_counts as f32 / MICRORADIANS,
-                    velocity: axis1.thermal_time_constant,
-                    torque: axis1.current_per_code,
-                };
-                (Protocol::Mit(ranges), mit::MOST_NODE)
-            }
-            _ => return None,
+        let (kind, nodes) = settings.bus_drives()?;
+        let [axis, _] = &settings.axes;
+        let protocol = match kind {
+            BusKind::Odrive => Protocol::Odrive,
+            BusKind::Mit => Protocol::Mit(mit::Ranges {
+                position: axis.index_counts as f32 / MICRORADIANS,
+                velocity: axis.thermal_time_constant,
+                torque: axis.current_per_code,
+            }),
         };
-        let is_one = |node: u16| node <= most_node.into();
-        let nodes = [node1 as u8, node4 as u8];
-        (node1 != node4 && is_one(node1) && is_one(node4)).then_some(Self { protocol, nodes })
+        Some(Self { protocol, nodes })
     }
 
     /// Writes it into the settings.
@@ -60,17 +47,17 @@ impl BusSetup {
             let kind = match &self.protocol {
                 Protocol::Odrive => {
                     axis.current_per_code = odrive::MOST_INPUT;
-                    ODRIVE
+                    BusKind::Odrive
                 }
                 Protocol::Mit(ranges) => {
                     axis.current_per_code = ranges.torque;
                     axis.thermal_time_constant = ranges.velocity;
                     // `as` saturates.
                     axis.index_counts = (ranges.position * MICRORADIANS + 0.5) as u32;
-                    MIT
+                    BusKind::Mit
                 }
             };
-            axis.current_zero_code = kind + u16::from(node);
+            axis.current_zero_code = kind.code(node);
         }
     }
 
@@ -94,6 +81,9 @@ impl BusSetup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const ODRIVE: u16 = BusKind::Odrive.code(0);
+    const MIT: u16 = BusKind::Mit.code(0);
 
     const RANGES: [mit::Ranges; 3] = [
         mit::Ranges {
