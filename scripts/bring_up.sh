@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # With the production image on the simulated chip: the test of a bare board, then docs/use/bring-up.md, step by step,
-# with a hand at the simulated arm; then the first drawing with the image for steppers. ci.sh's step chip installs the CPU emulator that this needs.
+# with a hand at the simulated arm; then the first drawings with the images for other motors. ci.sh's step chip installs the CPU emulator that this needs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
@@ -12,4 +12,4 @@ cargo build --quiet --package fivebar
 board=${CARGO_TARGET_DIR:-$PWD/verify/chip/target}/debug/board
 verify/chip/board_test.py "$board" "$image" "$built/debug/fivebar"
 verify/chip/bring_up.py "$board" "$image" "$built/debug/fivebar" --until dynamics
-verify/chip/steppers.py "$board" "${image}_stepper" "$built/debug/fivebar"
+verify/chip/first_drawing.py "$board" "$image" "$built/debug/fivebar"

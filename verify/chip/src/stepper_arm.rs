@@ -56,23 +56,6 @@ impl StepperArm {
         self.stop_pressed = pressed;
     }
 
-    /// Does what an order of a hand says: `stop 1` presses the emergency stop, `stop 0` releases it.
-    ///
-    /// # Errors
-    /// Another order.
-    pub fn execute(&mut self, order: &str) -> Result<(), String> {
-        match order {
-            "stop 1" => self.press_stop(true),
-            "stop 0" => self.press_stop(false),
-            _ => {
-                return Err(format!(
-                    "no hand can do this at an arm with steppers: {order}"
-                ));
-            }
-        }
-        Ok(())
-    }
-
     fn advance(&mut self, now: Time) {
         while now >= self.at + PERIOD {
             // The enables are low for power; resistors at the drivers pull them high.

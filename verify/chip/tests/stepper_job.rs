@@ -3,7 +3,7 @@
 mod bench;
 
 use fivebar_chip::time::{MICROSECOND, MILLISECOND};
-use fivebar_chip::{Chip, HostLine, Image, Options, SharedStepperArm, StepperArm};
+use fivebar_chip::{Chip, DriveKind, HostLine, Image, Options, SharedStepperArm, StepperArm};
 use fivebar_files::job::Job;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
@@ -35,7 +35,7 @@ fn the_arm_homes_and_draws_without_losing_a_step() {
     let path = bench::path().with_file_name("stm32f405_stepper");
     let image = Arc::new(Image::read(&path).expect("an image"));
     let options = Options {
-        steppers: true,
+        drives: DriveKind::Steppers,
         ..Options::default()
     };
     let chip = Chip::new(image, options, Vec::new(), Box::new(arm.clone())).expect("an emulator");

@@ -5,15 +5,15 @@
 //! fast as this machine allows, until it is interrupted. Lines of its input tell a hand at the arm
 //! what to do (`Hand::execute`); it prints `done` when the hand has done it. With `bare` in place of the robot
 //! the board has no bridges and no arm, and the lines are the tasks of `fivebar board-test`. A robot with steppers needs
-//! the image `stm32f405_stepper`.
+//! the image `stm32f405_stepper`, one with drives on a bus `stm32f405_can`.
 
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{
-    Arm, BareBoard, Chip, HAND_TIME, Hand, Image, Options, SharedArm, SharedBareBoard,
-    SharedStepperArm, StepperArm, Wiring,
+    Arm, BareBoard, CanArm, Chip, DriveKind, HAND_TIME, Hand, Image, Options, SharedArm,
+    SharedBareBoard, SharedCanArm, SharedStepperArm, StepperArm, Wiring,
 };
 use fivebar_files::robot::{BuiltIn, Robot};
-use fivebar_plant::{Mismatch, Plant, StepperPlant};
+use fivebar_plant::{CanPlant, Mismatch, Plant, StepperPlant};
 use std::error::Error;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fs::File;
@@ -93,7 +93,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         robot => with_arm(Robot::load(robot)?)?,
     };
     let options = Options {
-        steppers: matches!(world, World::Steppers(_)),
+        drives: world.drives(),
         ..Options::default()
     };
     let chip = Chip::new(image, options, Vec::new(), wiring);
@@ -107,24 +107,46 @@ fn run() -> Result<(), Box<dyn Error>> {
 enum World {
     Arm(SharedArm, Box<Hand>),
     Steppers(SharedStepperArm),
+    OnBus(SharedCanArm),
     Bare(SharedBareBoard),
 }
 
 impl World {
     /// Forgets the past, of which a long run has too much.
     fn forget(&self) {
-        if let Self::Arm(arm, _) = self {
-            arm.get().forget();
+        match self {
+            Self::Arm(arm, _) => arm.get().forget(),
+            Self::OnBus(arm) => arm.get().frames.clear(),
+            Self::Steppers(_) | Self::Bare(_) => {}
+        }
+    }
+
+    fn drives(&self) -> DriveKind {
+        match self {
+            Self::Arm(..) | Self::Bare(_) => DriveKind::Brushed,
+            Self::Steppers(_) => DriveKind::Steppers,
+            Self::OnBus(_) => DriveKind::OnBus,
         }
     }
 
     fn execute(&mut self, order: &str) -> Result<(), String> {
         match self {
-            Self::Arm(arm, hand) => hand.execute(&mut arm.get(), order),
-            Self::Steppers(arm) => arm.get().execute(order),
-            Self::Bare(board) if board.execute(order) => Ok(()),
-            Self::Bare(_) => Err(format!("no hand can do this at a bare board: {order}")),
+            Self::Arm(arm, hand) => hand.execute(&mut arm.get(), order)?,
+            Self::Steppers(arm) => arm.get().press_stop(stop(order)?),
+            Self::OnBus(arm) => arm.get().press_stop(stop(order)?),
+            Self::Bare(board) if board.execute(order) => {}
+            Self::Bare(_) => return Err(format!("no hand can do this at a bare board: {order}")),
         }
+        Ok(())
+    }
+}
+
+/// Whether the hand presses the emergency stop, or releases it.
+fn stop(order: &str) -> Result<bool, String> {
+    match order {
+        "stop 1" => Ok(true),
+        "stop 0" => Ok(false),
+        _ => Err(format!("no hand can do this at such an arm: {order}")),
     }
 }
 
@@ -143,6 +165,11 @@ fn with_arm(robot: Robot) -> Result<(World, Box<dyn Wiring>), Box<dyn Error>> {
         let plant = StepperPlant::new(&parameters, &motors, &exact, &pose, 1);
         let arm = SharedStepperArm::new(StepperArm::new(plant));
         return Ok((World::Steppers(arm.clone()), Box::new(arm)));
+    }
+    if let Some(bus) = robot.can_bus() {
+        let plant = CanPlant::new(&parameters, bus, &exact, &pose, 1);
+        let arm = SharedCanArm::new(CanArm::new(plant));
+        return Ok((World::OnBus(arm.clone()), Box::new(arm)));
     }
     let plant = Plant::new(&parameters, &exact, &pose, 1);
     let arm = SharedArm::new(Arm::new(plant.with_resolved_windings(), MILLISECOND));
