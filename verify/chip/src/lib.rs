@@ -20,6 +20,7 @@ mod image;
 mod locate;
 mod mcu;
 mod nvic;
+mod page_locks;
 mod peripherals;
 mod pwr;
 mod register;

@@ -45,8 +45,12 @@ pub(crate) fn image() -> Arc<Image> {
         .clone()
 }
 
+/// The default robot, read once: a test asks for it hundreds of times.
 pub(crate) fn robot() -> Robot {
-    Robot::load(BuiltIn::DEFAULT).expect("the default robot")
+    static ROBOT: OnceLock<Robot> = OnceLock::new();
+    ROBOT
+        .get_or_init(|| Robot::load(BuiltIn::DEFAULT).expect("the default robot"))
+        .clone()
 }
 
 pub(crate) fn settings() -> Settings {
