@@ -45,7 +45,7 @@ pub(crate) fn image() -> Arc<Image> {
         .clone()
 }
 
-/// The default robot, read once: a test asks for it hundreds of times.
+/// The default robot, read once: a test asks for it and its settings hundreds of times.
 pub(crate) fn robot() -> Robot {
     static ROBOT: OnceLock<Robot> = OnceLock::new();
     ROBOT
@@ -54,7 +54,10 @@ pub(crate) fn robot() -> Robot {
 }
 
 pub(crate) fn settings() -> Settings {
-    robot().settings().expect("the robot has masses")
+    static SETTINGS: OnceLock<Settings> = OnceLock::new();
+    SETTINGS
+        .get_or_init(|| robot().settings().expect("the robot has masses"))
+        .clone()
 }
 
 /// The arm with the tool at a point of the workspace [m].
