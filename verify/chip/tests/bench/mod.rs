@@ -55,9 +55,7 @@ pub(crate) fn robot() -> Robot {
 
 pub(crate) fn settings() -> Settings {
     static SETTINGS: OnceLock<Settings> = OnceLock::new();
-    SETTINGS
-        .get_or_init(|| robot().settings().expect("the robot has masses"))
-        .clone()
+    *SETTINGS.get_or_init(|| robot().settings().expect("the robot has masses"))
 }
 
 /// The arm with the tool at a point of the workspace [m].
