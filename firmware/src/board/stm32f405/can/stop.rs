@@ -34,7 +34,8 @@ pub fn end(cause: EndCause) -> ! {
         let words: Words = place.each_ref().map(|word| word.load(Ordering::Relaxed));
         let [_, length, ..] = words;
         if length > 0 {
-            bxcan::put(can, words);
+            // A mailbox is free at last when the frame in it is over, or is taken back.
+            let _ = (0..PATIENCE).any(|_| bxcan::put(can, words));
         }
     }
     let _ = (0..PATIENCE).any(|_| bxcan::is_empty(can));
