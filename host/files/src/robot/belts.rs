@@ -10,7 +10,9 @@ use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::EncoderSide;
 use nalgebra::{Matrix2, SymmetricEigen};
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
+use std::sync::{Mutex, PoisonError};
 
 /// Factors on the links' inertia for which the loops keep a margin.
 pub(super) const INERTIA_RANGE: [f64; 2] = [0.8, 1.3];
@@ -50,14 +52,26 @@ impl ControlFile {
             period,
         });
         let [joint1, joint4] = joints;
-        let first = tune_belt(&joint1)?;
-        let second = if joint4 == joint1 {
-            first
-        } else {
-            tune_belt(&joint4)?
-        };
+        let (first, second) = (tuned(&joint1)?, tuned(&joint4)?);
         (first.is_good(&joint1) && second.is_good(&joint4)).then_some([first, second])
     }
+}
+
+/// The gains of a joint. A search takes a second, and a program reads the same arm again and again, so the newest
+/// results are kept.
+fn tuned(joint: &BeltJoint) -> Option<BeltTuning> {
+    const KEPT: usize = 32;
+    static FOUND: Mutex<VecDeque<(BeltJoint, Option<BeltTuning>)>> = Mutex::new(VecDeque::new());
+    // A thread that panicked left whole entries.
+    let found = || FOUND.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, tuning)) = found().iter().find(|(known, _)| known == joint) {
+        return *tuning;
+    }
+    let tuning = tune_belt(joint);
+    let mut found = found();
+    found.truncate(KEPT - 1);
+    found.push_front((*joint, tuning));
+    tuning
 }
 
 /// The controller's settings of the belts with these loops.
