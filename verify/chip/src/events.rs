@@ -33,15 +33,11 @@ impl Mcu {
 
     /// Lets everything happen that is due by `now`.
     pub(crate) fn run_events(&mut self) {
-        loop {
-            let at = self.next_due();
-            if at > self.now || self.reset.is_some() {
-                break;
-            }
+        while self.due <= self.now && self.reset.is_none() {
+            let at = self.due;
             self.dispatch(at);
             self.settle(at);
         }
-        self.due = self.next_due();
     }
 
     fn dispatch(&mut self, at: Time) {
