@@ -47,24 +47,27 @@ pub enum OpenError {
     /// The emulated board refuses the robot's settings.
     #[error("the emulated board refuses the robot's settings: {0}")]
     Refused(CommandError),
-    /// The controller is for steppers.
+    /// The controller is for motors of another kind, these.
     #[error(
-        "the controller is for steppers and the robot has brushed motors; \
+        "the controller is for {0} and the robot has brushed motors; \
          write the image `stm32f405` to the board"
     )]
-    ForSteppers,
-    /// The controller is for drives on a CAN bus.
-    #[error(
-        "the controller is for drives on a CAN bus and the robot has brushed motors; \
-         write the image `stm32f405` to the board"
-    )]
-    ForDrivesOnBus,
+    ForOthers(&'static str),
     /// The controller does not reply.
     #[error(transparent)]
     Link(#[from] LinkError),
     /// The controller's settings are not valid.
     #[error("the controller's settings: {0}")]
     Settings(#[from] SettingsError),
+}
+
+/// What a controller on this board drives.
+pub fn motors_of(board: Board) -> &'static str {
+    match board {
+        Board::Desktop | Board::Emulated | Board::Stm32f405 => "brushed motors",
+        Board::Stm32f405Stepper => "steppers",
+        Board::Stm32f405Can => "drives on a CAN bus",
+    }
 }
 
 /// A stream of bytes to a controller.
@@ -95,8 +98,9 @@ pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, Str
                 Some(SteppedArm::new(robot)?),
             )
         }
-        Board::Stm32f405Stepper => return Err(OpenError::ForSteppers),
-        Board::Stm32f405Can => return Err(OpenError::ForDrivesOnBus),
+        board @ (Board::Stm32f405Stepper | Board::Stm32f405Can) => {
+            return Err(OpenError::ForOthers(motors_of(board)));
+        }
         Board::Desktop | Board::Stm32f405 => {
             let mut drive = Drive::new(&mut client, &|| false);
             match source {

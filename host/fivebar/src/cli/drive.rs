@@ -12,6 +12,7 @@ use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
 use fivebar_firmware::{Move, Planner, Status};
+use fivebar_sim::controller::motors_of;
 use fivebar_sim::drive::{Drive, DriveError, Homing};
 use fivebar_sim::simulation::{Sample, Trace};
 use fivebar_sim::time_optimal::JobPlanner;
@@ -140,15 +141,11 @@ fn drives(robot: &Robot) -> (&'static str, &'static str) {
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
 /// else.
 fn refuse_other(board: Board, (wanted, image): (&str, &str)) -> Result<(), Failure> {
-    let of_board = match board {
-        Board::Emulated => {
-            let reason = "an emulated board has no motors; run the job on it with `fivebar pil`";
-            return Err(Failure::Refused(reason.into()));
-        }
-        Board::Desktop | Board::Stm32f405 => "brushed motors",
-        Board::Stm32f405Stepper => "steppers",
-        Board::Stm32f405Can => "drives on a CAN bus",
-    };
+    if board == Board::Emulated {
+        let reason = "an emulated board has no motors; run the job on it with `fivebar pil`";
+        return Err(Failure::Refused(reason.into()));
+    }
+    let of_board = motors_of(board);
     if of_board == wanted {
         return Ok(());
     }

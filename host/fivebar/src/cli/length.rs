@@ -2,8 +2,8 @@
 
 use super::value_error::ValueError;
 
-/// Units, each with its name, a factor, and how many of its products with the number make a metre: a division by a power
-/// of ten is exact to the last bit, where a product with 1e-6 is not.
+/// Units: a value times the first number, over the second one, is in metres. The division by a power of ten gives the
+/// nearest number to what is written, where a product with 1e-6 does not.
 const UNITS: [(&str, f64, f64); 7] = [
     ("um", 1.0, 1e6),
     ("µm", 1.0, 1e6),
