@@ -18,6 +18,7 @@ use fivebar_firmware::TimedMove;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::{Fault, State};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::collections::HashSet;
 use std::fmt;
 use view::View;
@@ -67,11 +68,28 @@ impl fmt::Display for Counterexample {
 
 impl std::error::Error for Counterexample {}
 
+/// States that are expanded side by side. What they reach is noted in their order, so the result does not depend on
+/// the number of threads.
+const SIDE_BY_SIDE: usize = 16;
+
 /// A state with the world that reached it first.
 struct Node {
     world: World,
     /// The state before, and the event that led here.
     came: Option<(usize, Event)>,
+    /// The first one with power in which the controller has this state and fault: its host leaves it for long.
+    is_abandoned: bool,
+}
+
+/// What an event does in a state.
+struct Tried {
+    event: Event,
+    /// The worlds of new states on the way and at the end.
+    worlds: Vec<World>,
+    /// The fault that a tick found by itself.
+    detected: Option<Fault>,
+    ticks: u32,
+    happened: Result<(), Violation>,
 }
 
 struct Search {
@@ -102,13 +120,20 @@ pub fn explore() -> Result<Exploration, Counterexample> {
     for has_settings in [true, false] {
         let world = World::new(has_settings).map_err(at_start)?;
         search.run = planned_run(&world);
-        search.visit(&world, None);
+        search.visit(world, None);
     }
     let alphabet = alphabet();
     let mut next = 0;
     while next < search.nodes.len() {
-        search.expand(next, &alphabet)?;
-        next += 1;
+        let end = search.nodes.len().min(next + SIDE_BY_SIDE);
+        let expanded: Vec<_> = (next..end)
+            .into_par_iter()
+            .map(|index| (search.check(index), search.expand(index, &alphabet)))
+            .collect();
+        for (index, (way, tried)) in (next..).zip(expanded) {
+            search.note(index, way, tried)?;
+        }
+        next = end;
     }
     search.found.states = search.nodes.len();
     Ok(search.found)
@@ -116,83 +141,112 @@ pub fn explore() -> Result<Exploration, Counterexample> {
 
 impl Search {
     /// Notes a world if its state is new.
-    fn visit(&mut self, world: &World, came: Option<(usize, Event)>) {
+    fn visit(&mut self, world: World, came: Option<(usize, Event)>) {
         let view = world.view();
         if self.known.insert(view) {
             self.found.reached.insert(view.state);
             self.found.faults.extend(view.fault);
-            let world = world.clone();
-            self.nodes.push(Node { world, came });
+            let is_abandoned = view.has_power() && self.abandoned.insert((view.state, view.fault));
+            self.nodes.push(Node {
+                world,
+                came,
+                is_abandoned,
+            });
         }
     }
 
-    /// Tries every event in a state, and what must be possible from it.
-    fn expand(&mut self, index: usize, alphabet: &[Event]) -> Result<(), Counterexample> {
-        self.check(index)?;
-        let fault = self.nodes[index].world.view().fault;
-        for &event in alphabet.iter().filter(|event| event.is_tried_under(fault)) {
-            let mut world = self.nodes[index].world.clone();
-            let begun = world.ticks();
-            let mut last = world.view();
-            let (mut new, mut detected) = (Vec::new(), None);
-            let run = std::mem::take(&mut self.run);
-            let happened = world.happen(event, &run, &mut |world: &World| {
-                let view = world.view();
-                if last.fault.is_none() {
-                    detected = detected.or(view.fault);
-                }
-                if view != last && !self.known.contains(&view) {
-                    new.push(world.clone());
-                }
-                last = view;
-            });
-            self.run = run;
+    /// Notes what was found in a state.
+    fn note(
+        &mut self,
+        index: usize,
+        way: Result<WayOut, Violation>,
+        tried: Vec<Tried>,
+    ) -> Result<(), Counterexample> {
+        match way {
+            Ok(WayOut::Motion) => self.found.ways_out[0] += 1,
+            Ok(_) => self.found.ways_out[1] += 1,
+            Err(violation) => return Err(self.counterexample(index, None, violation)),
+        }
+        for Tried {
+            event,
+            worlds,
+            detected,
+            ticks,
+            happened,
+        } in tried
+        {
             self.found.detected.extend(detected);
-            for world in &new {
+            for world in worlds {
                 self.visit(world, Some((index, event)));
             }
-            self.visit(&world, Some((index, event)));
             self.found.edges += 1;
-            self.found.ticks += u64::from(world.ticks() - begun);
+            self.found.ticks += u64::from(ticks);
             happened.map_err(|violation| self.counterexample(index, Some(event), violation))?;
         }
         Ok(())
     }
 
-    /// What must be possible from every state, without disturbance.
-    fn check(&mut self, index: usize) -> Result<(), Counterexample> {
-        let mut outcome = [Ok(()), Ok(()), Ok(())];
-        let world = &self.nodes[index].world;
-        outcome[0] = stops(world.clone());
-        outcome[1] = rests_for_silent_host(world.clone());
-        let view = world.view();
-        if view.has_power() && self.abandoned.insert((view.state, view.fault)) {
-            outcome[2] = is_switched_off(world.clone());
+    /// Tries every event in a state.
+    fn expand(&self, index: usize, alphabet: &[Event]) -> Vec<Tried> {
+        let node = &self.nodes[index].world;
+        let fault = node.view().fault;
+        let try_one = |&event: &Event| {
+            let mut world = node.clone();
+            let mut last = world.view();
+            let (mut worlds, mut detected) = (Vec::new(), None);
+            let happened = world.happen(event, &self.run, &mut |world: &World| {
+                let view = world.view();
+                if last.fault.is_none() {
+                    detected = detected.or(view.fault);
+                }
+                if view != last && !self.known.contains(&view) {
+                    worlds.push(world.clone());
+                }
+                last = view;
+            });
+            let ticks = world.ticks() - node.ticks();
+            if !self.known.contains(&world.view()) {
+                worlds.push(world);
+            }
+            Tried {
+                event,
+                worlds,
+                detected,
+                ticks,
+                happened,
+            }
+        };
+        let events = alphabet.iter();
+        events
+            .filter(|event| event.is_tried_under(fault))
+            .map(try_one)
+            .collect()
+    }
+
+    /// What must be possible from every state, without disturbance: the way out.
+    fn check(&self, index: usize) -> Result<WayOut, Violation> {
+        let Node {
+            world,
+            is_abandoned,
+            ..
+        } = &self.nodes[index];
+        stops(world.clone())?;
+        rests_for_silent_host(world.clone())?;
+        if *is_abandoned {
+            is_switched_off(world.clone())?;
         }
         let mut undisturbed = world.clone();
         undisturbed.disturb(None);
         // Counts that go on may have jumped.
-        let way = undisturbed
-            .tick(true, &mut |_| ())
-            .and_then(|()| way_out(&mut undisturbed))
-            .and_then(|way| match way {
-                WayOut::Fault(fault) => Err(Violation::new(
-                    undisturbed.ticks(),
-                    "a sound arm raises no fault on its way out",
-                    format_args!("{fault:?}"),
-                )),
-                WayOut::Motion | WayOut::Reason(_) => Ok(way),
-            });
-        match &way {
-            Ok(WayOut::Motion) => self.found.ways_out[0] += 1,
-            Ok(_) => self.found.ways_out[1] += 1,
-            Err(_) => {}
+        undisturbed.tick(true, &mut |_| ())?;
+        match way_out(&mut undisturbed)? {
+            WayOut::Fault(fault) => Err(Violation::new(
+                undisturbed.ticks(),
+                "a sound arm raises no fault on its way out",
+                format_args!("{fault:?}"),
+            )),
+            way => Ok(way),
         }
-        outcome
-            .into_iter()
-            .chain([way.map(drop)])
-            .collect::<Result<(), _>>()
-            .map_err(|violation| self.counterexample(index, None, violation))
     }
 
     fn counterexample(
