@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests the live page in a headless Chromium from Debian: scripts/browser.sh [FOLDER]
+# Tests the live page, and the page "your arm, now", in a headless Chromium from Debian: scripts/browser.sh [FOLDER]
 #
 # With a folder, it also writes pictures there, taken with the release build: of the page, of a
 # report and of a workspace map. The documents use pictures that lie in docs/use and docs/design.
@@ -21,9 +21,14 @@ if [ ! -e "$axe/node_modules/axe-core/axe.min.js" ]; then
     mkdir -p "$axe"
     npm install --silent --no-save --prefix "$axe" axe-core@4.10.3
 fi
+scripts/browser_arm.sh
+cargo build --quiet --package fivebar-browser --example answer
+own_arm() { tests/browser/own_arm.py "$built/browser-arm" "$built/debug/examples/answer" "$@"; }
 if [ $# -gt 0 ]; then
     cargo build --package fivebar --release
+    own_arm --screenshots "$1"
     exec tests/browser/live_page.py "$built/release/fivebar" --screenshots "$1"
 fi
+own_arm
 cargo build --package fivebar
 exec tests/browser/live_page.py "$built/debug/fivebar"

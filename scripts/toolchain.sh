@@ -2,7 +2,8 @@
 # Finds or installs what the firmware needs: a Cortex-M4F compiler and an emulator.
 #
 # When run, it reports what it found or installed. When sourced (by scripts/firmware.sh), it also
-# exports the environment that the chosen compiler needs and sets `cargo_flags`.
+# exports the environment that the chosen compiler needs and sets `cargo_flags`. Who sources it for another target
+# than the board's sets `target`, and `libraries`, those that Debian's compiler has to build for it.
 #
 # It looks for the compiler in this order:
 #   1. the rustup target, if it is installed;
@@ -10,7 +11,8 @@
 #   3. Debian's rustc-web with its library source, which builds `core` itself.
 set -euo pipefail
 
-target=thumbv7em-none-eabihf
+target=${target:-thumbv7em-none-eabihf}
+libraries=${libraries:-core}
 debian_rustc=/usr/bin/rustc
 debian_source=/usr/lib/rustlib/src/rust/library/core/src/lib.rs
 cargo_flags=()
@@ -61,9 +63,9 @@ find_compiler() {
             "or Debian's packages rustc-web and rust-web-src." >&2
         return 1
     fi
-    echo "toolchain: $("$debian_rustc" --version) of Debian, building core from its source"
+    echo "toolchain: $("$debian_rustc" --version) of Debian, building $libraries from its source"
     export RUSTC=$debian_rustc RUSTC_BOOTSTRAP=1
-    cargo_flags=(-Zbuild-std=core)
+    cargo_flags=("-Zbuild-std=$libraries")
     if ! command -v rust-lld >/dev/null; then
         PATH="$(env -u RUSTC rustc --print sysroot)/lib/rustlib/x86_64-unknown-linux-gnu/bin:$PATH"
     fi

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod board_test;
+#[cfg(not(target_family = "wasm"))]
 pub mod controller;
 pub mod crossing;
 pub mod drive;

@@ -12,6 +12,7 @@ mod frames;
 mod in_process;
 mod lockstep;
 mod loopback;
+#[cfg(not(target_family = "wasm"))]
 mod serial;
 mod supervised_child;
 mod target;
@@ -25,6 +26,7 @@ pub use fault_injector::{FaultInjector, FaultRates};
 pub use in_process::InProcess;
 pub use lockstep::{Difference, Instructions, Lockstep, LockstepError};
 pub use loopback::{Loopback, Plant};
+#[cfg(not(target_family = "wasm"))]
 pub use serial::{BAUD, PortError, SerialLine};
 pub use target::{Target, TargetError};
 pub use tracer::Tracer;
