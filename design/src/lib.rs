@@ -10,6 +10,7 @@ pub mod joint_path;
 pub mod linkage;
 pub mod mobility;
 mod noise;
+pub mod photo;
 pub mod servo;
 pub mod slider;
 pub mod synthesis;

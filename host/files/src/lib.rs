@@ -7,6 +7,7 @@ pub mod linkage;
 pub mod measurements;
 pub mod mobility;
 pub mod path_case;
+pub mod picture;
 pub mod robot;
 pub mod scenario;
 mod similar;

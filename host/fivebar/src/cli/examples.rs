@@ -149,6 +149,14 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "photo",
+        &[
+            "fivebar photo my.svg --robot my-arm.toml --draw-marks marks.gcode",
+            "fivebar photo my.svg photo.jpg --robot my-arm.toml --marks marks.gcode",
+            "fivebar photo my.svg scan.png --marks marks.gcode --lens 0 --distances ruler.csv",
+        ],
+    ),
+    (
         "pil",
         &[
             "fivebar pil",

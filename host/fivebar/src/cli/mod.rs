@@ -31,6 +31,7 @@ mod mobility;
 mod monitor;
 mod new;
 mod output;
+mod photo;
 mod pil;
 mod plan;
 mod port;
@@ -87,6 +88,7 @@ enum Command {
     Mobility(mobility::Args),
     Monitor(monitor::Args),
     New(new::Args),
+    Photo(Box<photo::Args>),
     Pil(pil::Args),
     Plan(plan::Args),
     Query(query::Args),
@@ -129,6 +131,7 @@ pub fn main() -> ExitCode {
             Command::Mobility(args) => mobility::run(&args),
             Command::Monitor(args) => monitor::run(&args),
             Command::New(args) => new::run(&args),
+            Command::Photo(args) => photo::run(&args),
             Command::Pil(args) => pil::run(&args),
             Command::Plan(args) => plan::run(&args),
             Command::Query(args) => query::run(&args),

@@ -15,6 +15,8 @@ pub(super) enum ValueError {
     Jerk,
     #[error("give a length, such as 30mm, 1.5in, or 0.03 in metres")]
     Length,
+    #[error("give the distortion k of the lens, from -0.12 to 0.2; 0 for a scanner")]
+    Lens,
     #[error("give a number of millimetres")]
     Millimetres,
     #[error("give {0} finite numbers, separated by commas")]

@@ -24,6 +24,7 @@ mod linkage;
 mod new;
 #[cfg(unix)]
 mod other_release;
+mod photo;
 mod placement;
 mod plan;
 mod query;

@@ -7,6 +7,7 @@ mod linkage_csv;
 mod mcap;
 mod mjcf;
 mod motion_log;
+mod photo_csv;
 #[cfg(feature = "mcap")]
 mod scene;
 mod table;
@@ -21,6 +22,7 @@ pub use linkage_csv::linkage_csv;
 pub use mcap::mcap;
 pub use mjcf::mjcf;
 pub use motion_log::motion_csv;
+pub use photo_csv::{photo_csv, photo_points_csv};
 pub use trace_csv::trace_csv;
 pub use urdf::urdf;
 pub use workspace_csv::workspace_csv;

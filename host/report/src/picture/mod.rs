@@ -5,12 +5,14 @@ mod arm;
 mod axes;
 mod bands;
 mod legend;
+mod photo;
 mod plate;
 #[cfg(feature = "png")]
 mod png;
 mod tip_error;
 mod validation;
 
+pub use photo::drawing_errors;
 pub use plate::plate;
 #[cfg(feature = "png")]
 pub use png::{PngError, png};

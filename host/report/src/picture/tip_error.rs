@@ -47,7 +47,7 @@ pub fn tip_errors(
             quantity(map.worst, "m"),
             frame.axes(),
             places(map, &frame),
-            scale(map.worst, &frame),
+            scale(map.worst, [frame.legend_left(), frame.top()]),
         );
     }
     svg.push_str("</svg>\n");
@@ -55,7 +55,7 @@ pub fn tip_errors(
 }
 
 /// The band of an error: bright is small.
-fn band(error: f64, worst: f64) -> usize {
+pub(super) fn band(error: f64, worst: f64) -> usize {
     let share = 1.0 - error / worst.max(f64::MIN_POSITIVE);
     ((share * BANDS.len() as f64) as usize).min(BANDS.len() - 1)
 }
@@ -88,8 +88,7 @@ fn places(map: &TipError, frame: &PictureFrame) -> String {
 }
 
 /// The colours with the greatest error of each.
-fn scale(worst: f64, frame: &PictureFrame) -> String {
-    let (left, top) = (frame.legend_left(), frame.top());
+pub(super) fn scale(worst: f64, [left, top]: [f64; 2]) -> String {
     let mut svg = String::new();
     for (index, &rgb) in BANDS.iter().enumerate() {
         let y = top + 22.0 * index as f64;

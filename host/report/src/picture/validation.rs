@@ -68,7 +68,7 @@ pub fn validation(drawings: [&[DrawnPoint]; 2]) -> Option<String> {
 }
 
 /// The greatest of 1, 2 and 5 times a power of ten that is not above `value`; 1 at least.
-fn round_down(value: f64) -> f64 {
+pub(super) fn round_down(value: f64) -> f64 {
     let power = 10_f64.powf(value.max(1.0).log10().floor());
     let share = [5.0, 2.0].into_iter().find(|share| share * power <= value);
     share.unwrap_or(1.0) * power

@@ -8,6 +8,7 @@ pub mod identification;
 pub mod linkage;
 pub mod margins;
 pub mod mobility;
+pub mod photo;
 pub mod plan;
 pub mod query;
 pub mod regions;

@@ -115,6 +115,12 @@ fn encoder_angle(count: f64, per_turn: f64) -> f64 {
     (count + 0.5) * TAU / per_turn
 }
 
+/// The counts of both encoders at these angles of the joints [rad], as the robot's file has its zeros.
+pub(super) fn encoder_count(robot: &Robot, angles: [f64; 2]) -> Result<[f64; 2], StudyError> {
+    let per_turn = counts_per_turn(robot)?;
+    Ok([0, 1].map(|joint| angles[joint] * per_turn[joint] / TAU - 0.5))
+}
+
 /// The workspace of C with these lengths [m], in the file's working mode.
 fn bare_workspace(robot: &Robot, lengths: [f64; 5]) -> Result<Workspace<f64>, StudyError> {
     let mut workspace = robot.workspace(robot.elbows)?;

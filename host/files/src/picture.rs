@@ -1,0 +1,172 @@
+//! Pictures of drawings: PNG and JPEG, as shades of grey.
+//!
+//! The grey of a pixel is the least of its red, green and blue, so that ink of any colour is dark on white paper.
+
+use super::source::FileError;
+use super::text_file::read_bytes;
+use fivebar_design::photo::Picture;
+use std::io::Cursor;
+use std::path::Path;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+/// Greatest size of a file [bytes], and of a picture [pixels]: the largest cameras of phones have 2·10⁸.
+const LARGEST: u64 = 256 << 20;
+const MOST_PIXELS: usize = 250_000_000;
+/// Longest side, and least shorter side [pixels]: four marks and a drawing need more.
+const LONGEST: usize = 40_000;
+const SHORTEST: usize = 300;
+
+/// Reads a picture, PNG or JPEG by its first bytes.
+///
+/// # Errors
+/// A file that cannot be read, of another format, broken, or with a size that is no photograph's.
+pub fn read_picture(path: &Path) -> Result<Picture, FileError> {
+    let file = path.display().to_string();
+    let refuse = |reason: String| FileError::new(&file, reason);
+    let bytes = read_bytes(path, LARGEST).map_err(|error| refuse(error.to_string()))?;
+    let decoded = match bytes[..] {
+        [0x89, b'P', b'N', b'G', ..] => png(&bytes),
+        [0xff, 0xd8, 0xff, ..] => jpeg(&bytes),
+        _ => Err(other_format(&bytes)),
+    };
+    decoded.map_err(refuse)
+}
+
+fn png(bytes: &[u8]) -> Result<Picture, String> {
+    let broken = |error: png::DecodingError| format!("the PNG is broken: {error}");
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let info = reader.info();
+    let size = sized(info.width as usize, info.height as usize)?;
+    let length = reader.output_buffer_size().ok_or("the PNG is too large")?;
+    let mut samples = vec![0; length];
+    let frame = reader.next_frame(&mut samples).map_err(broken)?;
+    samples.truncate(frame.buffer_size());
+    picture(size, &samples, frame.color_type.samples())
+}
+
+fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
+    let options = DecoderOptions::default()
+        .jpeg_set_out_colorspace(ColorSpace::RGB)
+        .set_max_width(LONGEST)
+        .set_max_height(LONGEST);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    let broken = |error| format!("the JPEG is broken or of a rare kind: {error}; save it as PNG");
+    decoder
+        .decode_headers()
+        .map_err(|error| broken(format!("{error:?}")))?;
+    let (width, height) = decoder.dimensions().ok_or("the JPEG has no size")?;
+    let size = sized(width, height)?;
+    let samples = decoder
+        .decode()
+        .map_err(|error| broken(format!("{error:?}")))?;
+    picture(size, &samples, 3)
+}
+
+/// The size, if it can be a photograph's.
+fn sized(width: usize, height: usize) -> Result<[usize; 2], String> {
+    let size = format!("the picture has {width} × {height} pixels");
+    if width.min(height) < SHORTEST {
+        return Err(format!(
+            "{size}, and {SHORTEST} are needed along each side: take the camera's full size"
+        ));
+    }
+    if width.max(height) > LONGEST || width * height > MOST_PIXELS {
+        return Err(format!(
+            "{size}: at most {LONGEST} along a side and {} million in all; scan with fewer dots per inch",
+            MOST_PIXELS / 1_000_000
+        ));
+    }
+    Ok([width, height])
+}
+
+/// The picture of samples: grey, grey and opacity, colours, or colours and opacity.
+fn picture(
+    [width, height]: [usize; 2],
+    samples: &[u8],
+    channels: usize,
+) -> Result<Picture, String> {
+    let grey = samples.chunks_exact(channels).map(|pixel| {
+        let (colours, opacity) = match *pixel {
+            [grey, opacity] => ([grey; 3], opacity),
+            [red, green, blue, opacity] => ([red, green, blue], opacity),
+            [red, green, blue] => ([red, green, blue], 255),
+            _ => ([pixel[0]; 3], 255),
+        };
+        let dark = u16::from(255 - colours.into_iter().min().unwrap_or(255));
+        255 - (dark * u16::from(opacity) / 255) as u8
+    });
+    Picture::new(width, height, grey.collect()).ok_or_else(|| "the picture is not complete".into())
+}
+
+/// What a file is that is no PNG or JPEG, and what to do.
+fn other_format(bytes: &[u8]) -> String {
+    let at = |from: usize, wanted: &[u8]| {
+        bytes
+            .get(from..from + wanted.len())
+            .is_some_and(|found| found == wanted)
+    };
+    let name = if at(4, b"ftyphei") || at(4, b"ftypmif1") || at(4, b"ftyphev") {
+        "HEIC picture, as telephones of Apple save them"
+    } else if at(4, b"ftypavif") {
+        "AVIF picture"
+    } else if at(0, b"RIFF") && at(8, b"WEBP") {
+        "WebP picture"
+    } else if at(0, b"II*\0") || at(0, b"MM\0*") {
+        "TIFF or a camera's raw picture"
+    } else if at(0, b"GIF8") {
+        "GIF picture"
+    } else if at(0, b"BM") {
+        "BMP picture"
+    } else if at(0, b"%PDF") {
+        "PDF: the scanner also saves PNG or JPEG"
+    } else {
+        return "the file is no picture that can be read: give a PNG or a JPEG".into();
+    };
+    format!("the file is a {name}: save it as PNG or JPEG and give that")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{other_format, picture, sized};
+
+    #[test]
+    fn ink_of_any_colour_is_dark_and_what_is_not_there_is_paper() {
+        let size = [2, 1];
+        let grey = |samples: &[u8], channels| picture(size, samples, channels);
+        let expected = |grey: [u8; 2]| super::Picture::new(2, 1, grey.to_vec());
+        assert_eq!(
+            grey(&[255, 0, 0, 250, 255, 240], 3).ok(),
+            expected([0, 240])
+        );
+        assert_eq!(
+            grey(&[0, 0, 0, 0, 0, 0, 0, 255], 4).ok(),
+            expected([255, 0])
+        );
+        assert_eq!(grey(&[9, 200], 1).ok(), expected([9, 200]));
+        assert_eq!(grey(&[10, 255, 10, 0], 2).ok(), expected([10, 255]));
+        assert!(grey(&[9], 1).is_err());
+    }
+
+    #[test]
+    fn other_formats_and_sizes_are_named_with_the_remedy() {
+        for (start, wanted) in [
+            (&b"\0\0\0\x18ftypheic\0\0"[..], "HEIC"),
+            (b"RIFF\0\0\0\0WEBPVP8 ", "WebP"),
+            (b"%PDF-1.7", "PDF"),
+            (b"II*\0\x08", "TIFF"),
+            (b"G21\nG0", "give a PNG or a JPEG"),
+            (b"", "give a PNG or a JPEG"),
+        ] {
+            let told = other_format(start);
+            assert!(told.contains(wanted) && told.contains("JPEG"), "{told}");
+        }
+        assert!(sized(4000, 3000).is_ok());
+        assert!(sized(4000, 200).unwrap_err().contains("full size"));
+        assert!(sized(50_000, 3000).unwrap_err().contains("dots per inch"));
+    }
+}

@@ -1,0 +1,275 @@
+//! The command `fivebar photo`: marks, maps, measurements for `calibrate`, refusals.
+
+use fivebar_design::photo::MARK_STEP;
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
+use fivebar_kinematics::five_bar::{Geometry, Tool};
+use fivebar_report::study::photo::strokes;
+use fivebar_testkit::{Camera, Paper, circle};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn photo(folder: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    command.current_dir(folder).arg("photo").args(args);
+    command.output().unwrap()
+}
+
+fn answer(folder: &Path, args: &[&str]) -> Value {
+    let output = photo(folder, &[args, &["--json"]].concat());
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[track_caller]
+fn refused(folder: &Path, args: &[&str], wanted: &str) {
+    let output = photo(folder, args);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains(wanted), "{message}");
+}
+
+/// The demonstration as the arm of the measurements in host/files drew it, and its photograph.
+const JOB: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/jobs/fivebar.gcode");
+const SAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/photos/fivebar.png");
+const DOCUMENT: &str = include_str!("../../../../docs/use/photo.md");
+
+/// That arm: the lengths [m] and the zeros of its joints [rad], of set 2 in `calibration_public.json`.
+const LENGTHS: [f64; 5] = [
+    0.100_056_716,
+    0.159_843_175,
+    0.159_876_081,
+    0.099_267_560,
+    0.080_539_912,
+];
+const ZEROS: [f64; 2] = [0.022_883_317, -0.006_508_457];
+
+/// Where that arm draws a point that the controller asks for [m].
+fn drawn(point: Vector2<f64>) -> [f64; 2] {
+    let robot = Robot::load("benchtop").unwrap();
+    let home = robot.home_pose().unwrap();
+    let tool = robot.tool_on_link().unwrap();
+    let [theta1, _, _, theta4] = tool.inverse(point, home.working_mode()).unwrap().angles();
+    let real = Geometry::new(LENGTHS).unwrap();
+    let pose = real.forward(theta1 + ZEROS[0], theta4 + ZEROS[1], home.assembly());
+    Tool::new(real, Vector2::zeros())
+        .unwrap()
+        .point(&pose.unwrap())
+        .into()
+}
+
+/// The marks of the demonstration [m], written to marks.gcode.
+fn marks(folder: &Path) -> Vec<[f64; 2]> {
+    let marks = answer(
+        folder,
+        &[JOB, "--robot", "benchtop", "--draw-marks", "marks.gcode"],
+    );
+    serde_json::from_value(marks["marks_m"].clone()).unwrap()
+}
+
+/// The photograph: the demonstration and its marks as that arm draws them.
+fn sample(marks: &[[f64; 2]]) -> (Camera, Vec<u8>) {
+    let robot = Robot::load("benchtop").unwrap();
+    let text = std::fs::read_to_string(JOB).unwrap();
+    let scenario = Scenario::new("", robot, "", text);
+    let job = strokes(&scenario.job().unwrap(), [0.0; 2]);
+    let fine = |stroke: &Vec<Vector2<f64>>| {
+        let ends = stroke
+            .windows(2)
+            .flat_map(|ends| (0..=20).map(|part| ends[0].lerp(&ends[1], f64::from(part) / 20.0)));
+        ends.map(drawn).collect::<Vec<_>>()
+    };
+    let mut strokes: Vec<_> = job.points.iter().map(fine).collect();
+    for (index, mark) in marks.iter().enumerate() {
+        let circles = if index == 0 { 3 } else { 2 };
+        for n in 1..=circles {
+            let points = circle(*mark, MARK_STEP * f64::from(n)).into_iter();
+            strokes.push(points.map(|point| drawn(point.into())).collect());
+        }
+    }
+    let middle = marks
+        .iter()
+        .map(|mark| Vector2::from(drawn((*mark).into())));
+    let camera = Camera {
+        size: [1600, 1200],
+        target: (0.25 * middle.sum::<Vector2<f64>>()).into(),
+        distance: 0.4,
+        turns: [0.2, 0.1, 0.05],
+        focal: 3300.0,
+        lens: -0.03,
+        blur: 0.8,
+        noise: 0.0,
+    };
+    let picture = camera.picture(&Paper {
+        strokes,
+        pen: 0.5e-3,
+        greys: [50.0, 240.0, 240.0],
+    });
+    (camera, picture)
+}
+
+fn write_png(path: &Path, [width, height]: [usize; 2], grey: &[u8]) {
+    let file = std::fs::File::create(path).unwrap();
+    let mut encoder = png::Encoder::new(file, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(grey).unwrap();
+}
+
+#[test]
+fn the_sample_is_what_the_camera_takes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (camera, picture) = sample(&marks(folder.path()));
+    if std::env::var_os("FIVEBAR_UPDATE").is_some() {
+        write_png(Path::new(SAMPLE), camera.size, &picture);
+    }
+    let decoder = png::Decoder::new(std::io::BufReader::new(
+        std::fs::File::open(SAMPLE).unwrap(),
+    ));
+    let mut reader = decoder.read_info().unwrap();
+    let mut kept = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut kept).unwrap();
+    assert_eq!(kept.len(), picture.len());
+    let differs = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 2;
+    assert!(!kept.iter().zip(&picture).any(differs));
+}
+
+#[test]
+fn the_map_shows_what_the_arm_drew() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let marks = marks(folder);
+    let args = [JOB, SAMPLE, "--robot", "benchtop", "--marks", "marks.gcode"];
+    let text = photo(folder, &args);
+    let text = String::from_utf8(text.stdout).unwrap();
+    for line in text.lines().filter(|line| !line.starts_with("wrote")) {
+        assert!(
+            DOCUMENT.contains(line.trim()),
+            "docs/use/photo.md lacks: {line}"
+        );
+    }
+    let table = std::fs::read_to_string(folder.join("out/photo/photo.csv")).unwrap();
+    assert!(table.starts_with("line,x_m,y_m,normal_x,normal_y,error_m\n"));
+    let map = std::fs::read_to_string(folder.join("out/photo/photo.svg")).unwrap();
+    assert!(map.contains("fivebar.gcode") && map.contains("RMS"));
+
+    // With the marks measured, every error agrees with the arm's but for one placement of all.
+    let mut distances = String::from("from,to,length\n");
+    for (from, to) in [(0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3)] {
+        let [a, b] = [from, to].map(|mark: usize| Vector2::from(drawn(marks[mark].into())));
+        distances += &format!("{},{},{:.5}\n", from + 1, to + 1, (a - b).norm());
+    }
+    std::fs::write(folder.join("ruler.csv"), distances).unwrap();
+    let more = ["--distances", "ruler.csv", "--window", "2mm"];
+    let found = answer(folder, &[&args[..], &more].concat());
+    assert!(found["measured_m"].as_f64() > Some(0.5), "{found}");
+    let table = std::fs::read_to_string(folder.join("out/photo/photo.csv")).unwrap();
+    let rows: Vec<[f64; 5]> = table
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let values: Vec<f64> = line
+                .split(',')
+                .skip(1)
+                .map(|x| x.parse().unwrap())
+                .collect();
+            values.try_into().unwrap()
+        })
+        .collect();
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    let row = |&[x, y, u, v, _]: &[f64; 5]| Vector3::new(u, v, v * x - u * (y - 0.18));
+    let real = |&[x, y, u, v, _]: &[f64; 5]| {
+        Vector2::new(u, v).dot(&(Vector2::from(drawn(Vector2::new(x, y))) - Vector2::new(x, y)))
+    };
+    for values in &rows {
+        normal += row(values) * row(values).transpose();
+        right += row(values) * (real(values) - values[4]);
+    }
+    let placement = normal.cholesky().unwrap().solve(&right);
+    let off = rows
+        .iter()
+        .map(|values| (values[4] + row(values).dot(&placement) - real(values)).abs())
+        .fold(0.0, f64::max);
+    println!("off {:.1} µm of {found}", 1e6 * off);
+    assert!(off < 0.1e-3, "{off}");
+}
+
+#[test]
+fn the_points_of_a_photograph_calibrate_the_arm() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    marks(folder);
+    let args = [JOB, SAMPLE, "--robot", "benchtop", "--marks", "marks.gcode"];
+    answer(folder, &[&args[..], &["--points", "points.csv"]].concat());
+    let mut calibrate = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    calibrate
+        .current_dir(folder)
+        .args(["calibrate", "--robot", "benchtop", "--json"]);
+    let bars = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../files/measurements/benchtop_bars.csv"
+    );
+    let output = calibrate
+        .args(["--photo", "points.csv", "--bars", bars])
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    println!("{found}");
+    for (index, real) in LENGTHS.into_iter().enumerate() {
+        let length = found["link_lengths"][index].as_f64().unwrap();
+        assert!((length - real).abs() < 0.1e-3, "{length} m, not {real} m");
+    }
+}
+
+#[test]
+fn refusals_name_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    marks(folder);
+    let with = |picture: &str, marks: &str, wanted: &str| {
+        refused(
+            folder,
+            &[JOB, picture, "--marks", marks, "--robot", "benchtop"],
+            wanted,
+        );
+    };
+    write_png(&folder.join("blank.png"), [800, 600], &[230; 480_000]);
+    with("blank.png", "marks.gcode", "no mark is found: four marks");
+    write_png(&folder.join("small.png"), [200, 100], &[230; 20_000]);
+    with("small.png", "marks.gcode", "take the camera's full size");
+    std::fs::write(folder.join("photo.heic"), b"\0\0\0\x18ftypheic\0\0\0\0").unwrap();
+    with("photo.heic", "marks.gcode", "save it as PNG or JPEG");
+    std::fs::write(folder.join("broken.png"), b"\x89PNG\r\n\x1a\n1234").unwrap();
+    with("broken.png", "marks.gcode", "the PNG is broken");
+    std::fs::write(folder.join("broken.jpg"), b"\xff\xd8\xff\xe01234").unwrap();
+    with("broken.jpg", "marks.gcode", "the JPEG is broken");
+    with("none.png", "marks.gcode", "none.png");
+    with(SAMPLE, JOB, "that --draw-marks wrote");
+    let marked = [JOB, SAMPLE, "--marks", "marks.gcode"];
+    let and = |more: &[&str], wanted: &str| refused(folder, &[&marked, more].concat(), wanted);
+    // The job at another place is another job.
+    and(
+        &["--origin", "45mm,180mm"],
+        "of the strokes are found where the job has them",
+    );
+    std::fs::write(folder.join("two.csv"), "from,to,length\n1,2,0.1\n2,3,0.1\n").unwrap();
+    and(&["--distances", "two.csv"], "five different distances");
+    std::fs::write(folder.join("five.csv"), "from,to,length\n1,5,0.1\n").unwrap();
+    and(
+        &["--distances", "five.csv"],
+        "the marks have the numbers 1 to 4",
+    );
+    std::fs::write(folder.join("up.gcode"), "G21\nG0 X1 Y1\nG0 X5\n").unwrap();
+    refused(
+        folder,
+        &["up.gcode", "--draw-marks", "m.gcode"],
+        "draws nothing",
+    );
+    assert_eq!(photo(folder, &[JOB]).status.code(), Some(2));
+}

@@ -1,0 +1,51 @@
+//! A photographed drawing as text.
+
+use super::quantity;
+use crate::study::photo::PhotoStudy;
+use std::fmt::Write as _;
+
+/// The figures of a photographed drawing. `measured`: the marks were measured;
+/// `lens_known`: so was the lens.
+pub fn photo(study: &PhotoStudy, measured: bool, lens_known: bool) -> String {
+    let found = &study.comparison;
+    let metres = |length: f64| quantity(length, "m");
+    let mut text = format!("error across the strokes: {} RMS", metres(found.rms));
+    if let Some((line, error, place)) = study.greatest() {
+        let _ = write!(
+            text,
+            ", {} at most, at ({:.1}, {:.1}) mm, line or stroke {line} of the job",
+            metres(error.abs()),
+            1e3 * place.x,
+            1e3 * place.y
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\n  measured: {} of {} of strokes; the rest is near other strokes or without ink",
+        metres(found.measured),
+        metres(found.drawn)
+    );
+    let _ = writeln!(text, "  a pixel shows {} of the paper", metres(found.pixel));
+    let _ = writeln!(
+        text,
+        "  lens: k = {:.4}, {} at most over the drawing{}",
+        found.lens,
+        metres(found.lens_shift),
+        match lens_known {
+            true => "",
+            false => "; what errors of the arm have in common with it is not in the map",
+        }
+    );
+    let _ = writeln!(
+        text,
+        "  {}",
+        match measured {
+            true =>
+                "the marks were measured: only the placement of the drawing on the paper is not in the map",
+            false =>
+                "the arm drew the marks: placement, turn, scales, shear and perspective are not in the \
+                 map; measure the marks' distances for these (--distances)",
+        }
+    );
+    text
+}
