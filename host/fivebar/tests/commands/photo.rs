@@ -3,7 +3,7 @@
 use fivebar_design::photo::MARK_STEP;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
-use fivebar_kinematics::five_bar::{Geometry, Tool};
+use fivebar_kinematics::five_bar::{Geometry, Pose, Tool};
 use fivebar_report::study::photo::strokes;
 use fivebar_testkit::{Camera, Paper, circle};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -47,18 +47,33 @@ const LENGTHS: [f64; 5] = [
 ];
 const ZEROS: [f64; 2] = [0.022_883_317, -0.006_508_457];
 
-/// Where that arm draws a point that the controller asks for [m].
-fn drawn(point: Vector2<f64>) -> [f64; 2] {
-    let robot = Robot::load("benchtop").unwrap();
-    let home = robot.home_pose().unwrap();
-    let tool = robot.tool_on_link().unwrap();
-    let [theta1, _, _, theta4] = tool.inverse(point, home.working_mode()).unwrap().angles();
-    let real = Geometry::new(LENGTHS).unwrap();
-    let pose = real.forward(theta1 + ZEROS[0], theta4 + ZEROS[1], home.assembly());
-    Tool::new(real, Vector2::zeros())
-        .unwrap()
-        .point(&pose.unwrap())
-        .into()
+/// That arm under a controller that takes it for the benchtop arm.
+struct Arm {
+    believed: Tool<f64>,
+    real: Tool<f64>,
+    home: Pose<f64>,
+}
+
+impl Arm {
+    fn new() -> Self {
+        let robot = Robot::load("benchtop").unwrap();
+        let real = Geometry::new(LENGTHS).unwrap();
+        Self {
+            believed: robot.tool_on_link().unwrap(),
+            real: Tool::new(real, Vector2::zeros()).unwrap(),
+            home: robot.home_pose().unwrap(),
+        }
+    }
+
+    /// Where it draws a point that the controller asks for [m].
+    fn drawn(&self, point: Vector2<f64>) -> Vector2<f64> {
+        let mode = self.home.working_mode();
+        let [theta1, _, _, theta4] = self.believed.inverse(point, mode).unwrap().angles();
+        let geometry = self.real.geometry();
+        let angles = [theta1 + ZEROS[0], theta4 + ZEROS[1]];
+        let pose = geometry.forward(angles[0], angles[1], self.home.assembly());
+        self.real.point(&pose.unwrap())
+    }
 }
 
 /// The marks of the demonstration [m], written to marks.gcode.
@@ -72,6 +87,7 @@ fn marks(folder: &Path) -> Vec<[f64; 2]> {
 
 /// The photograph: the demonstration and its marks as that arm draws them.
 fn sample(marks: &[[f64; 2]]) -> (Camera, Vec<u8>) {
+    let arm = Arm::new();
     let robot = Robot::load("benchtop").unwrap();
     let text = std::fs::read_to_string(JOB).unwrap();
     let scenario = Scenario::new("", robot, "", text);
@@ -80,19 +96,18 @@ fn sample(marks: &[[f64; 2]]) -> (Camera, Vec<u8>) {
         let ends = stroke
             .windows(2)
             .flat_map(|ends| (0..=20).map(|part| ends[0].lerp(&ends[1], f64::from(part) / 20.0)));
-        ends.map(drawn).collect::<Vec<_>>()
+        ends.map(|point| arm.drawn(point).into())
+            .collect::<Vec<_>>()
     };
     let mut strokes: Vec<_> = job.points.iter().map(fine).collect();
     for (index, mark) in marks.iter().enumerate() {
         let circles = if index == 0 { 3 } else { 2 };
         for n in 1..=circles {
             let points = circle(*mark, MARK_STEP * f64::from(n)).into_iter();
-            strokes.push(points.map(|point| drawn(point.into())).collect());
+            strokes.push(points.map(|point| arm.drawn(point.into()).into()).collect());
         }
     }
-    let middle = marks
-        .iter()
-        .map(|mark| Vector2::from(drawn((*mark).into())));
+    let middle = marks.iter().map(|mark| arm.drawn((*mark).into()));
     let camera = Camera {
         size: [1600, 1200],
         target: (0.25 * middle.sum::<Vector2<f64>>()).into(),
@@ -157,10 +172,20 @@ fn the_map_shows_what_the_arm_drew() {
     let map = std::fs::read_to_string(folder.join("out/photo/photo.svg")).unwrap();
     assert!(map.contains("fivebar.gcode") && map.contains("RMS"));
 
+    // The same picture as a JPEG in colours, as a camera writes it.
+    let jpeg = SAMPLE.replace(".png", ".jpg");
+    let jpeg = answer(
+        folder,
+        &[JOB, &jpeg, "--robot", "benchtop", "--marks", "marks.gcode"],
+    );
+    let rms = jpeg["rms_m"].as_f64().unwrap();
+    assert!((rms - 0.288e-3).abs() < 0.005e-3, "{rms}");
+
+    let arm = Arm::new();
     // With the marks measured, every error agrees with the arm's but for one placement of all.
     let mut distances = String::from("from,to,length\n");
     for (from, to) in [(0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3)] {
-        let [a, b] = [from, to].map(|mark: usize| Vector2::from(drawn(marks[mark].into())));
+        let [a, b] = [from, to].map(|mark: usize| arm.drawn(marks[mark].into()));
         distances += &format!("{},{},{:.5}\n", from + 1, to + 1, (a - b).norm());
     }
     std::fs::write(folder.join("ruler.csv"), distances).unwrap();
@@ -183,7 +208,7 @@ fn the_map_shows_what_the_arm_drew() {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     let row = |&[x, y, u, v, _]: &[f64; 5]| Vector3::new(u, v, v * x - u * (y - 0.18));
     let real = |&[x, y, u, v, _]: &[f64; 5]| {
-        Vector2::new(u, v).dot(&(Vector2::from(drawn(Vector2::new(x, y))) - Vector2::new(x, y)))
+        Vector2::new(u, v).dot(&(arm.drawn(Vector2::new(x, y)) - Vector2::new(x, y)))
     };
     for values in &rows {
         normal += row(values) * row(values).transpose();

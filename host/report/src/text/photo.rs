@@ -13,10 +13,11 @@ pub fn photo(study: &PhotoStudy, measured: bool, lens_known: bool) -> String {
     if let Some((line, error, place)) = study.greatest() {
         let _ = write!(
             text,
-            ", {} at most, at ({:.1}, {:.1}) mm, line or stroke {line} of the job",
+            ", {} at most, at ({:.1}, {:.1}) mm, {} {line} of the job",
             metres(error.abs()),
             1e3 * place.x,
-            1e3 * place.y
+            1e3 * place.y,
+            study.strokes.unit()
         );
     }
     let _ = writeln!(

@@ -17,6 +17,14 @@ pub struct JobStrokes {
 const CHORD: f64 = 5e-6;
 
 impl JobStrokes {
+    /// What [`JobStrokes::line`] counts: `line`, or `stroke` of an SVG, HPGL or DXF.
+    pub fn unit(&self) -> &'static str {
+        match self.is_drawing {
+            true => "stroke",
+            false => "line",
+        }
+    }
+
     /// The line of the file that draws this piece of a stroke; of an SVG, HPGL or DXF, the stroke.
     pub fn line(&self, stroke: usize, piece: usize) -> u32 {
         let lines = self.lines.get(stroke);
