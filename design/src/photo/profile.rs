@@ -29,7 +29,7 @@ pub(super) fn ink_middle(
     let count = (half / (STEP * pixel)).ceil().clamp(4.0, MOST);
     let step = half / count;
     let steps = count as i32;
-    let offset = |index: usize| (index as i32 - steps) as f64 * step;
+    let offset = |index: usize| f64::from(index as i32 - steps) * step;
     let greys = (0..=2 * steps as usize)
         .map(|index| picture.at(view.pixel(place + normal * offset(index))?))
         .collect::<Option<Vec<f64>>>()?;

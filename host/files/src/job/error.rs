@@ -177,6 +177,8 @@ pub enum WarningKind {
         /// S with the pen up.
         up: f64,
     },
+    /// A slicer draws before its first layer, which begins in this line.
+    Purge(u32),
     /// The travel after the last stroke is left out.
     Parking,
     /// No word moves or switches the tool.
@@ -251,6 +253,13 @@ impl fmt::Display for Warning {
                 );
             }
             WarningKind::PenSpeeds { down, up } => return write_pen_speeds(f, *down, *up),
+            WarningKind::Purge(layer) => {
+                return write!(
+                    f,
+                    "what is drawn from here to line {layer}, before the first layer, is the slicer's \
+                     purge line: take it out of its start code if the paper should not have it"
+                );
+            }
             WarningKind::Parking => {
                 return f.write_str(
                     "the travel from here on is left out, because the arm cannot do it and nothing \

@@ -34,6 +34,7 @@ pub(super) fn interpret(
     let mut job = job?;
     job.warnings.extend(notes);
     note_assembly(&mut job);
+    note_purge(&mut job, &lines);
     job.warnings.sort_by_key(|warning| warning.line);
     let moves = |step: &Step| step.action.end().is_some();
     if job.steps.iter().any(moves) {
@@ -50,6 +51,25 @@ fn note_assembly(job: &mut Job) {
     let line = crossings.clone().next_back().map(|step| step.line);
     if let Some(line) = line.filter(|_| crossings.count() % 2 == 1) {
         job.note(line, WarningKind::OtherAssembly);
+    }
+}
+
+/// How slicers begin the comment before the first layer.
+const LAYER: [&str; 3] = [";LAYER", "; CHANGE_LAYER", ";BEFORE_LAYER_CHANGE"];
+
+/// Notes what a slicer draws before the first layer.
+fn note_purge(job: &mut Job, lines: &[SourceLine<'_>]) {
+    let begins_layer = |line: &&SourceLine<'_>| LAYER.iter().any(|it| line.text.starts_with(it));
+    let Some(layer) = lines.iter().find(begins_layer).map(|line| line.number) else {
+        return;
+    };
+    let mut drawn = job
+        .steps
+        .iter()
+        .filter(|step| step.draws())
+        .map(|step| step.line);
+    if let Some(first) = drawn.next().filter(|&line| line < layer) {
+        job.note(first, WarningKind::Purge(layer));
     }
 }
 
@@ -154,6 +174,7 @@ impl Interpreter {
         let LineModes {
             coordinate_use,
             machine,
+            tool_length,
         } = self.modes.set(&line.general)?;
         if let Some(feed) = words.take('F') {
             if feed <= 0.0 {
@@ -171,15 +192,14 @@ impl Interpreter {
             return Err(GcodeError::Power);
         }
         self.tool.speed = power.or(self.tool.speed);
+        if tool_length {
+            words.take('H');
+            self.job.note(number, WarningKind::ToolLength);
+        }
         match coordinate_use {
             Some(CoordinateUse::Dwell) => self.dwell(number, &mut words)?,
             Some(CoordinateUse::Home) => self.home(number, &mut words)?,
             Some(CoordinateUse::Shift) => self.shift(number, &mut words)?,
-            Some(CoordinateUse::ToolLength) => {
-                words.take('H');
-                self.job.note(number, WarningKind::ToolLength);
-                self.motion(number, &mut words, machine, power)?;
-            }
             Some(CoordinateUse::Motion(_)) | None => {
                 self.motion(number, &mut words, machine, power)?;
             }
@@ -194,6 +214,7 @@ impl Interpreter {
         // The tolerance of G64.
         if line.general.contains(&('G', 64, 0)) {
             words.take('P');
+            words.take('Q');
         }
         match words.left_over() {
             Some(letter) => Err(GcodeError::StrayWord(letter)),

@@ -20,8 +20,6 @@ pub(super) enum CoordinateUse {
     Dwell,
     Home,
     Shift,
-    /// G43: the length of the tool, which no table of this machine has.
-    ToolLength,
 }
 
 /// The modes of a job.
@@ -43,6 +41,8 @@ pub(super) struct LineModes {
     pub(super) coordinate_use: Option<CoordinateUse>,
     /// G53: the coordinates of this line are the machine's.
     pub(super) machine: bool,
+    /// G43: the length of the tool, which no table of this machine has.
+    pub(super) tool_length: bool,
 }
 
 impl Modes {
@@ -68,10 +68,10 @@ impl Modes {
                 ('G', 3, 0) => CoordinateUse::Motion(MotionMode::CounterClockwise),
                 ('G', 4, 0) => CoordinateUse::Dwell,
                 ('G', 28, 0) => CoordinateUse::Home,
-                ('G', 43, 0) => CoordinateUse::ToolLength,
                 ('G', 92, 0) => CoordinateUse::Shift,
                 other => {
                     line.machine |= other == ('G', 53, 0);
+                    line.tool_length |= other == ('G', 43, 0);
                     self.set_one(other)?;
                     continue;
                 }
@@ -91,8 +91,8 @@ impl Modes {
     /// Sets the mode of a code that uses no coordinates.
     fn set_one(&mut self, code: Code) -> Result<(), GcodeError> {
         match code {
-            ('G', 20, 0) => self.unit = 25.4e-3,
-            ('G', 21, 0) => self.unit = 1e-3,
+            ('G', 20 | 70, 0) => self.unit = 25.4e-3,
+            ('G', 21 | 71, 0) => self.unit = 1e-3,
             ('G', 90, 0) => self.relative = false,
             ('G', 91, 0) => self.relative = true,
             ('G', 90, 1) => self.absolute_centers = true,
@@ -104,9 +104,10 @@ impl Modes {
                 _ => self.system = Some(code),
             },
             // Machine coordinates, the X-Y plane, no cutter radius, no tool length, no canned
-            // cycle, path modes, feed per minute, constant spindle speed, return levels of canned
+            // cycle, no polar coordinates, no scale, no turn, path modes, feed per minute, constant spindle speed, return levels of canned
             // cycles: this machine is like that.
-            ('G', 17 | 40 | 49 | 53 | 61 | 64 | 80 | 94 | 97..=99, 0) | ('G', 61, 1) => {}
+            ('G', 15 | 17 | 40 | 43 | 49 | 50 | 53 | 61 | 64 | 69 | 80 | 94 | 97..=99, 0)
+            | ('G', 61, 1) => {}
             other => return Err(refusal(other)),
         }
         Ok(())

@@ -26,7 +26,7 @@ pub(super) struct Line {
     pub(super) comment: Option<String>,
     /// Whether the line has a checksum.
     pub(super) has_checksum: bool,
-    /// A setting or a command of Grbl, such as `$H`, which is skipped.
+    /// A setting or a command of Grbl, such as `$H`, or a command of a printer, such as `G29`, which is skipped.
     pub(super) system_command: Option<String>,
     /// The sides of M780, by I and J.
     pub(super) elbows: Option<[Option<f64>; 2]>,
@@ -44,6 +44,13 @@ impl Line {
         let text = without_comments(summed)?;
         if let Some(command) = text.trim().strip_prefix('$') {
             return Self::system_command(command);
+        }
+        if let Some(command) = of_printer(&text) {
+            return Ok(Self {
+                system_command: Some(quoted(&command)),
+                has_checksum,
+                ..Self::default()
+            });
         }
         if let Some(homing) = Self::homing(&text) {
             return Ok(Self {
@@ -234,6 +241,31 @@ impl Line {
         let mut codes = self.miscellaneous.iter().map(|&(code, _)| code);
         codes.any(|code| matches!(code, ('M', 2 | 30, 0)))
     }
+}
+
+/// The command of a line that has a meaning for printers only: G29, G32 and G34 level a bed, G10 and G11
+/// alone pull filament back, and Klipper has commands in words, such as `START_PRINT BED_TEMP=60`.
+fn of_printer(text: &str) -> Option<String> {
+    let is_number = |word: &&str| {
+        let digits = word.strip_prefix(['N', 'n']);
+        digits.is_some_and(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()))
+    };
+    let mut words = text.split_whitespace().skip_while(is_number);
+    let first = words.next()?.to_ascii_uppercase();
+    let mut rest = words.peekable();
+    let is_alone = rest.peek().is_none();
+    let is_name = first.len() > 3
+        && first
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        && !first.bytes().take(3).any(|byte| byte.is_ascii_digit());
+    let has_values = first.contains('_') || rest.any(|word| word.contains('='));
+    let is_printers = match first.as_str() {
+        "G29" | "G32" | "G34" => true,
+        "G10" | "G11" => is_alone,
+        _ => is_name && has_values,
+    };
+    is_printers.then_some(first)
 }
 
 /// Why a code is not on a line of M781.

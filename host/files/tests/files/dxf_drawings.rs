@@ -14,7 +14,10 @@ fn dxf(unit: u32, entities: &str) -> String {
     let file = format!(
         "0 SECTION|2 HEADER|9 $ACADVER|1 AC1027|9 $INSUNITS|70 {unit}|0 ENDSEC|0 SECTION|2 TABLES|\
          0 TABLE|2 LAYER|0 LAYER|2 shown|70 0|62 7|0 LAYER|2 off|70 0|62 -7|0 LAYER|2 frozen|70 1|62 7|\
-         0 ENDTAB|0 ENDSEC|0 SECTION|2 BLOCKS|0 BLOCK|8 0|0 LINE|10 0|20 0|11 99|21 99|0 ENDBLK|\
+         0 ENDTAB|0 ENDSEC|0 SECTION|2 BLOCKS|0 BLOCK|8 0|2 diagonal|10 1|20 0|0 LINE|8 0|10 1|20 0|11 3|21 4|0 ENDBLK|\
+         0 BLOCK|8 0|2 ring|10 0|20 0|0 CIRCLE|8 0|10 0|20 0|40 1|0 ENDBLK|\
+         0 BLOCK|8 0|2 outer|10 0|20 0|0 INSERT|8 0|2 diagonal|10 5|20 0|0 ENDBLK|\
+         0 BLOCK|8 0|2 loop|10 0|20 0|0 INSERT|8 0|2 loop|10 5|20 0|0 ENDBLK|\
          0 ENDSEC|0 SECTION|2 ENTITIES|{entities}|0 ENDSEC|0 EOF"
     );
     let groups = file.split('|').map(|group| {
@@ -143,7 +146,7 @@ fn splines_follow_their_control_points_and_weights() {
     );
     let short = quarter.replacen("40 0|", "", 1);
     let refusal = read(4, &short).unwrap_err().to_string();
-    assert!(refusal.contains("SPLINE in line 77"), "{refusal}");
+    assert!(refusal.contains("SPLINE in line 151"), "{refusal}");
 }
 
 #[test]
@@ -191,4 +194,46 @@ fn what_is_no_drawing_is_refused_with_its_line() {
     ] {
         assert!(refusal(&text).contains(what), "{}", refusal(&text));
     }
+}
+
+#[test]
+fn blocks_are_drawn_where_they_are_inserted() {
+    // Twice as wide, turned by 90°, at (10, 20).
+    let turned = strokes("0 INSERT|8 shown|2 diagonal|10 10|20 20|41 2|42 1|50 90");
+    assert_eq!(turned.len(), 1);
+    for (found, wanted) in turned[0].iter().zip([[10.0, 20.0], [6.0, 24.0]]) {
+        assert!(
+            (found[0] - wanted[0]).hypot(found[1] - wanted[1]) < 1e-9,
+            "{turned:?}"
+        );
+    }
+    // Two columns and three rows; one block in another.
+    let copies = strokes("0 INSERT|8 0|2 diagonal|10 0|20 0|70 2|71 3|44 10|45 20");
+    assert_eq!(copies.len(), 6);
+    let nested = strokes("0 INSERT|8 0|2 outer|10 1|20 1|41 -1");
+    let ends = [[-4.0, 1.0], [-6.0, 5.0]];
+    for (found, wanted) in nested[0].iter().zip(ends) {
+        assert!(
+            (found[0] - wanted[0]).hypot(found[1] - wanted[1]) < 1e-9,
+            "{nested:?}"
+        );
+    }
+    // A circle with two scales is an ellipse; its lines are as near as the tolerance.
+    let ellipse = strokes("0 INSERT|8 0|2 ring|10 0|20 0|41 30|42 10");
+    let off = |[x, y]: &[f64; 2]| ((x / 30.0).hypot(y / 10.0) - 1.0).abs();
+    assert!(ellipse[0].len() > 60 && ellipse[0].iter().all(|point| off(point) < 1e-9));
+    // Entities on layer 0 take the layer of their INSERT.
+    let hidden = read(4, "0 INSERT|8 off|2 diagonal|10 0|20 0");
+    assert!(hidden.unwrap_err().to_string().contains("no visible lines"));
+    let endless = read(4, "0 INSERT|8 0|2 loop|10 0|20 0")
+        .unwrap_err()
+        .to_string();
+    assert!(
+        endless.contains("its blocks contain themselves"),
+        "{endless}"
+    );
+    let wide = read(4, "0 INSERT|8 0|2 ring|10 0|20 0|70 99999")
+        .unwrap_err()
+        .to_string();
+    assert!(wide.contains("1000 columns"), "{wide}");
 }

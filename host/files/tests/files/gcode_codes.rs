@@ -20,9 +20,15 @@ const SQUARE: &str = "G0 X5 Y5\nG1 X15 F900\nG3 X10 Y10 I-5\nG1 Y5";
 #[test]
 fn codes_that_change_nothing_here_are_accepted() {
     for codes in [
-        "G17 G40 G49 G54 G61 G80 G94 G97 G98",
+        "G15 G17 G40 G49 G50 G54 G61 G69 G80 G94 G97 G98",
         "G61.1",
-        "G64 P0.01",
+        "G64 P0.01 Q0.01",
+        "G29",
+        "N7 G29 P1 A",
+        "G10\nG11",
+        "START_PRINT BED_TEMP=60 EXTRUDER_TEMP=210",
+        "_HOME_IF_NEEDED",
+        "TIMELAPSE HYPERLAPSE=1",
         "G91.1",
         "G55",
         "M7\nM8\nM9",
@@ -43,6 +49,7 @@ fn codes_that_change_nothing_here_are_accepted() {
         job(&SQUARE.replace("G1 X15", "G17 G1 G94 X15")).steps,
         plain
     );
+    assert_eq!(job(&SQUARE.replace("G1 X15", "G1 G43 H1 X15")).steps, plain);
     assert_eq!(job(&SQUARE.replace("I-5", "I-5 K0 Z0")).steps, plain);
 }
 

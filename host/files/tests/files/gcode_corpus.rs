@@ -2,10 +2,10 @@
 //!
 //! A line of NAME.strokes is a stroke: the tool's level, then its points in millimetres; `cw:` and
 //! `ccw:` are arcs with their centre and their end. Lines with `note:` are the notes on the job,
-//! lines with `#` are comments.
+//! lines with `#` say what the file is. NAME.refused has the message of a file that is no job.
 
 use fivebar_files::job::{self, Action, Job, Placement};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus");
 
@@ -100,32 +100,116 @@ fn compare(name: &str, found: &[Stroke], expected: &[Stroke]) {
     }
 }
 
-#[test]
-fn files_of_common_programs_give_the_strokes_that_they_draw() {
+/// The files of the folder, in the order of their names, each with its text of this ending.
+fn files(ending: &str) -> Vec<(String, PathBuf, String)> {
+    let entries = std::fs::read_dir(FOLDER).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let files = paths.filter_map(|path| {
+        let name = path.file_name()?.to_str()?.to_owned();
+        let is_text = ENDINGS.iter().any(|ending| name.ends_with(ending));
+        let text = std::fs::read_to_string(path.with_extension(ending)).ok()?;
+        (!is_text).then_some((name, path, text))
+    });
+    let mut files: Vec<_> = files.collect();
+    files.sort();
+    files
+}
+
+const ENDINGS: [&str; 2] = [".strokes", ".refused"];
+
+fn parsed(path: &Path) -> Result<Job, String> {
     let placement = Placement {
         origin: [0.0, 0.0],
         scale: 1.0,
         turn: 0.0,
         home: [0.05, 0.2],
     };
-    let mut files = 0;
-    for entry in std::fs::read_dir(FOLDER).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|ending| ending == "strokes") {
-            continue;
-        }
-        let name = path.file_name().unwrap().to_str().unwrap();
-        let text = std::fs::read_to_string(path.with_extension("strokes")).unwrap();
-        let read = job::read(Path::new(&path)).unwrap();
-        let job = Job::parse(&read, &placement).unwrap_or_else(|error| panic!("{name}: {error}"));
-        compare(name, &strokes(&job), &expected(&text));
-        let notes: Vec<&str> = text
-            .lines()
-            .filter_map(|line| line.strip_prefix("note: "))
-            .collect();
+    let text = job::read(path).map_err(|error| error.to_string())?;
+    Job::parse(&text, &placement).map_err(|error| error.to_string())
+}
+
+/// The notes of a .strokes file.
+fn notes(text: &str) -> Vec<&str> {
+    text.lines()
+        .filter_map(|line| line.strip_prefix("note: "))
+        .collect()
+}
+
+/// What a file is: its comment.
+fn described(text: &str) -> String {
+    let lines = text.lines();
+    let comment: Vec<&str> = lines.filter_map(|line| line.strip_prefix("# ")).collect();
+    comment.join(" ")
+}
+
+#[test]
+fn files_of_common_programs_give_the_strokes_that_they_draw() {
+    let files = files("strokes");
+    for (name, path, text) in &files {
+        let job = parsed(path).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let strokes = strokes(&job);
+        // The pen touches the paper.
+        assert!(strokes.iter().any(|(level, _)| *level > 0.0), "{name}");
+        compare(name, &strokes, &expected(text));
         let told: Vec<String> = job.warnings.iter().map(ToString::to_string).collect();
-        assert_eq!(told, notes, "{name}");
-        files += 1;
+        assert_eq!(told, notes(text), "{name}");
     }
-    assert!(files >= 20, "{files} files");
+    assert!(files.len() >= 40, "{} files", files.len());
+}
+
+#[test]
+fn files_that_are_no_jobs_are_refused_with_the_remedy() {
+    for (name, path, text) in files("refused") {
+        let told = parsed(&path).expect_err(&name);
+        let wanted: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+        assert_eq!(told, wanted.join(" "), "{name}");
+    }
+}
+
+const DOCUMENT: &str = include_str!("../../../../docs/use/programs.md");
+const TABLE: &str = "| file | what it is | read as |\n|---|---|---|\n";
+
+/// The table of the document: a row for each file.
+fn table() -> String {
+    let mut rows: Vec<String> = Vec::new();
+    for (name, _, text) in files("strokes") {
+        let count = expected(&text).len();
+        let notes = match notes(&text).len() {
+            0 => String::new(),
+            1 => ", 1 note".into(),
+            notes => format!(", {notes} notes"),
+        };
+        let strokes = if count == 1 { "stroke" } else { "strokes" };
+        rows.push(format!(
+            "| `{name}` | {} | {count} {strokes}{notes} |\n",
+            described(&text)
+        ));
+    }
+    for (name, _, text) in files("refused") {
+        let told: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+        rows.push(format!(
+            "| `{name}` | {} | refused: {} |\n",
+            described(&text),
+            told.join(" ")
+        ));
+    }
+    rows.concat()
+}
+
+/// With `FIVEBAR_UPDATE` in the environment, the document is written anew instead.
+#[test]
+fn the_document_has_the_table_of_the_files() {
+    let start = DOCUMENT.find(TABLE).expect("the table") + TABLE.len();
+    let length = DOCUMENT[start..].find("\n\n").map_or(0, |end| end + 1);
+    let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
+    if std::env::var_os("FIVEBAR_UPDATE").is_some() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use/programs.md");
+        std::fs::write(path, new).unwrap();
+    } else {
+        let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar-files --test files writes it anew";
+        assert!(
+            new == DOCUMENT,
+            "docs/use/programs.md is not up to date; {hint}"
+        );
+    }
 }

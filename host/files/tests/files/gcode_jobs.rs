@@ -49,6 +49,7 @@ fn coordinates_are_in_millimetres_or_inches_absolute_or_relative() {
         [[10.0, 5.0], [11.0, 5.0], [11.0, 3.0], [0.0, 3.0]]
     );
     assert_eq!(ends("G20\nG0 X1 Y-.5"), [[25.4, -12.7]]);
+    assert_eq!(ends("G70\nG0 X1\nG71\nG0 X2"), [[25.4, 0.0], [2.0, 0.0]]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `fivebar photo`: a photograph or a scan of a finished drawing, compared with its job.
 
 use super::failure::{Failure, refused};
-use super::length::positive_length;
+use super::length::length;
 use super::run_args::JobArgs;
 use super::say::{leave_output_to, print, say, warn};
 use super::value_error::ValueError;
@@ -50,7 +50,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "K", value_parser = lens, allow_hyphen_values = true, requires = "picture")]
     lens: Option<f64>,
     /// How far beside its place the ink of a stroke is searched.
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length, default_value = "1.5mm")]
+    #[arg(long, value_name = "LENGTH", value_parser = window, default_value = "1.5mm")]
     window: f64,
     /// Also write measurements for `calibrate --photo`: the places where strokes of different directions
     /// are near each other.
@@ -68,6 +68,15 @@ fn lens(text: &str) -> Result<f64, ValueError> {
     let lens = text.parse().ok();
     lens.filter(|lens| (-0.12..=0.2).contains(lens))
         .ok_or(ValueError::Lens)
+}
+
+/// A length on either side of a stroke [m]: more than the pen is wide, less than drawings are.
+fn window(text: &str) -> Result<f64, ValueError> {
+    let window = length(text)?;
+    match (0.5e-3..=20e-3).contains(&window) {
+        true => Ok(window),
+        false => Err(ValueError::Window),
+    }
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -163,7 +172,11 @@ fn write(
     folder: &OutputFolder,
     study: &PhotoStudy,
 ) -> Result<(), Failure> {
-    let map = drawing_errors(&scenario.job_file, study);
+    let name = Path::new(&scenario.job_file).file_name();
+    let name = name.map_or(scenario.job_file.as_str().into(), |name| {
+        name.to_string_lossy()
+    });
+    let map = drawing_errors(&name, study);
     let table = photo_csv(study);
     #[cfg(feature = "png")]
     let image = png(&map).map_err(refused)?;

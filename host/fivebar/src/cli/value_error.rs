@@ -37,6 +37,8 @@ pub(super) enum ValueError {
     Scale,
     #[error("give a number above 0, 1 at most")]
     Share,
+    #[error("give a length from 0.5mm to 20mm")]
+    Window,
     #[error("give left or right for each elbow, such as right,left")]
     WorkingMode,
 }

@@ -6,6 +6,7 @@ use super::validation::round_down;
 use super::{INK, PAPER, cross};
 use crate::study::photo::PhotoStudy;
 use crate::text::quantity;
+use fivebar_design::photo::Deviation;
 use nalgebra::Vector2;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
@@ -70,17 +71,26 @@ pub fn drawing_errors(name: &str, study: &PhotoStudy) -> String {
         );
     }
     svg.push_str("</g>\n<g fill=\"none\" stroke-width=\"2\" stroke-linejoin=\"round\">\n");
-    let joined = found.deviations.chunk_by(|a, b| {
-        let is_near = a.stroke == b.stroke && (a.place - b.place).norm() < GAP;
-        is_near && band(a.error.abs(), worst) == band(b.error.abs(), worst)
-    });
-    for run in joined {
-        let Some(first) = run.first() else { continue };
+    let is_near =
+        |a: &Deviation, b: &Deviation| a.stroke == b.stroke && (a.place - b.place).norm() < GAP;
+    let colour_of = |d: &Deviation| band(d.error.abs(), worst);
+    let mut rest = &found.deviations[..];
+    while let Some(first) = rest.first() {
+        let pairs = rest.windows(2);
+        let same =
+            pairs.take_while(|d| is_near(&d[0], &d[1]) && colour_of(first) == colour_of(&d[1]));
+        let count = 1 + same.count();
+        // Where only the colour changes, the line goes on.
+        let goes_on = rest
+            .get(count)
+            .is_some_and(|next| is_near(&rest[count - 1], next));
+        let run = &rest[..count + usize::from(goes_on)];
         let moved = run
             .iter()
             .map(|d| place(d.place + d.normal * (factor * d.error)));
-        let line = colour(BANDS[band(first.error.abs(), worst)], false);
+        let line = colour(BANDS[colour_of(first)], false);
         let _ = writeln!(svg, "<path stroke=\"{line}\" d=\"{}\"/>", path(moved));
+        rest = &rest[count..];
     }
     svg.push_str("</g>\n");
     if let Some(greatest) = greatest {

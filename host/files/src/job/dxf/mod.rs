@@ -1,14 +1,17 @@
-//! DXF drawings as jobs: lines, polylines, arcs, circles, ellipses and splines, each layer with its pen.
+//! DXF drawings as jobs: lines, polylines, arcs, circles, ellipses, splines and blocks of these, each layer with
+//! its pen.
 //!
 //! The plane is that of x and y as the file has it. Entities that are not read are noted by their
 //! names.
 
+mod blocks;
 mod curves;
 mod entity;
 
 use super::drawing::{self, Pen, Stroke};
 use super::motion::within_reach;
 use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
+use blocks::{Block, Frame};
 use curves::Spline;
 use entity::{Entity, entities};
 use std::collections::BTreeMap;
@@ -24,16 +27,18 @@ pub(super) fn interpret(
     placement: &Placement,
     options: &JobOptions,
 ) -> Result<Job, JobError> {
+    let unreadable = |why| JobError::Drawing(format!("the DXF cannot be read: {why}"));
+    let entities = entities(text.trim_start()).map_err(unreadable)?;
     let mut drawing = Drawing {
         tolerance: options.tolerance,
         unit: None,
         hidden: Vec::new(),
+        blocks: Vec::new(),
         pens: Vec::new(),
         points: 0,
         left_out: BTreeMap::new(),
     };
-    let read = entities(text.trim_start()).and_then(|entities| drawing.file(&entities));
-    read.map_err(|why| JobError::Drawing(format!("the DXF cannot be read: {why}")))?;
+    drawing.file(&entities).map_err(unreadable)?;
     let left_out = drawing.left_out.into_iter().map(|(name, count)| Warning {
         count,
         ..Warning::at(0, WarningKind::LeftOut(name))
@@ -53,21 +58,22 @@ pub(super) fn interpret(
 }
 
 /// A drawing that is being read.
-struct Drawing {
+struct Drawing<'a> {
     /// Greatest distance of lines from curves [m].
     tolerance: f64,
     /// Metres per unit, if it is stated.
     unit: Option<f64>,
     /// The layers that are off or frozen.
     hidden: Vec<String>,
+    blocks: Vec<Block<'a>>,
     pens: Vec<Pen>,
     points: usize,
     /// What is not drawn, with its count.
     left_out: BTreeMap<String, u32>,
 }
 
-impl Drawing {
-    fn file(&mut self, entities: &[Entity<'_>]) -> Result<(), String> {
+impl<'a> Drawing<'a> {
+    fn file(&mut self, entities: &'a [Entity<'a>]) -> Result<(), String> {
         let mut section = "";
         let mut rest = entities.iter();
         while let Some(entity) = rest.next() {
@@ -80,16 +86,60 @@ impl Drawing {
                 }
                 (_, "ENDSEC") => section = "",
                 ("TABLES", "LAYER") => self.layer(entity)?,
-                ("ENTITIES", "POLYLINE") => {
-                    let vertices = rest.as_slice();
-                    let count = vertices.iter().take_while(|it| it.kind == "VERTEX").count();
-                    self.polyline(entity, &vertices[..count])?;
-                    rest = vertices[count..].iter();
+                ("BLOCKS", "BLOCK") => {
+                    let inside = rest.as_slice();
+                    let ends = |it: &Entity<'_>| ["ENDBLK", "ENDSEC"].contains(&it.kind);
+                    let count = inside.iter().take_while(|it| !ends(it)).count();
+                    self.blocks.push(Block::new(entity, &inside[..count])?);
+                    rest = inside[count..].iter();
                 }
-                ("ENTITIES", "SEQEND") => {}
-                ("ENTITIES", _) => self.entity(entity)?,
+                ("ENTITIES", _) => {
+                    let inside = rest.as_slice();
+                    let count = inside.iter().take_while(|it| it.kind != "ENDSEC").count();
+                    let first = entities.len() - inside.len() - 1;
+                    self.all(&entities[first..=first + count], &Frame::DRAWING)?;
+                    rest = inside[count..].iter();
+                }
                 _ => {}
             }
+        }
+        Ok(())
+    }
+
+    /// The entities of the drawing or of a block.
+    fn all(&mut self, entities: &'a [Entity<'a>], frame: &Frame<'a>) -> Result<(), String> {
+        let mut rest = entities.iter();
+        while let Some(entity) = rest.next() {
+            match entity.kind {
+                "POLYLINE" => {
+                    let vertices = rest.as_slice();
+                    let count = vertices.iter().take_while(|it| it.kind == "VERTEX").count();
+                    self.polyline(entity, &vertices[..count], frame)?;
+                    rest = vertices[count..].iter();
+                }
+                "SEQEND" => {}
+                "INSERT" => self.insert(entity, frame)?,
+                _ => self.entity(entity, frame)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// A block, once or in columns and rows.
+    fn insert(&mut self, insert: &Entity<'a>, frame: &Frame<'a>) -> Result<(), String> {
+        let Some(view) = self.view(insert, frame)? else {
+            return Ok(());
+        };
+        let name = insert.text(2).unwrap_or_default();
+        let block = self.blocks.iter().find(|block| block.name == name);
+        let Some(block) = block else {
+            self.leave_out("INSERT of a block that is not in the file");
+            return Ok(());
+        };
+        let entities = block.entities;
+        for copy in frame.copies(insert, block, view.mirrors)? {
+            self.count(1)?;
+            self.all(entities, &copy)?;
         }
         Ok(())
     }
@@ -132,8 +182,8 @@ impl Drawing {
         Ok(())
     }
 
-    fn entity(&mut self, entity: &Entity<'_>) -> Result<(), String> {
-        let Some(view) = self.view(entity)? else {
+    fn entity(&mut self, entity: &Entity<'a>, frame: &Frame<'a>) -> Result<(), String> {
+        let Some(view) = self.view(entity, frame)? else {
             return Ok(());
         };
         let place = |codes: [i32; 2]| -> Result<[f64; 2], String> {
@@ -141,7 +191,7 @@ impl Drawing {
         };
         // Their points are the world's, whatever their normal.
         let world = view.world();
-        let tolerance = self.tolerance;
+        let tolerance = self.tolerance / frame.growth().max(1.0);
         let stroke: Stroke = match entity.kind {
             "LINE" => vec![
                 world.place([entity.needed(10)?, entity.needed(20)?])?,
@@ -211,11 +261,16 @@ impl Drawing {
                 return Ok(());
             }
         };
-        self.add(entity, stroke)
+        self.add(entity, stroke, frame)
     }
 
-    fn polyline(&mut self, entity: &Entity<'_>, vertices: &[Entity<'_>]) -> Result<(), String> {
-        let Some(view) = self.view(entity)? else {
+    fn polyline(
+        &mut self,
+        entity: &Entity<'a>,
+        vertices: &[Entity<'_>],
+        frame: &Frame<'a>,
+    ) -> Result<(), String> {
+        let Some(view) = self.view(entity, frame)? else {
             return Ok(());
         };
         let flags = entity.flags(70)?;
@@ -231,13 +286,14 @@ impl Drawing {
                 points.push((place, vertex.number(42)?.unwrap_or(0.0)));
             }
         }
-        let stroke = view.polyline(points, flags & 1 != 0, self.tolerance)?;
-        self.add(entity, stroke)
+        let tolerance = self.tolerance / frame.growth().max(1.0);
+        let stroke = view.polyline(points, flags & 1 != 0, tolerance)?;
+        self.add(entity, stroke, frame)
     }
 
     /// How the coordinates of an entity are read; none if it is not drawn.
-    fn view(&mut self, entity: &Entity<'_>) -> Result<Option<View>, String> {
-        let layer = entity.text(8).unwrap_or_default();
+    fn view(&mut self, entity: &Entity<'a>, frame: &Frame<'a>) -> Result<Option<View>, String> {
+        let layer = frame.layer_of(entity);
         // 60: invisible; 67: on a sheet, not in the model.
         if entity.flags(60)? & 1 != 0 || self.hidden.iter().any(|hidden| hidden == layer) {
             return Ok(None);
@@ -262,14 +318,32 @@ impl Drawing {
         *self.left_out.entry(what.into()).or_default() += 1;
     }
 
-    fn add(&mut self, entity: &Entity<'_>, stroke: Stroke) -> Result<(), String> {
-        self.points += stroke.len();
-        if self.points > MOST_POINTS {
-            return Err(format!(
+    /// Counts points or copies of blocks.
+    fn count(&mut self, points: usize) -> Result<(), String> {
+        self.points += points;
+        match self.points > MOST_POINTS {
+            true => Err(format!(
                 "it has more than {MOST_POINTS} points; simplify it"
-            ));
+            )),
+            false => Ok(()),
         }
-        let name = entity.text(8).unwrap_or("0");
+    }
+
+    fn add(
+        &mut self,
+        entity: &Entity<'a>,
+        mut stroke: Stroke,
+        frame: &Frame<'a>,
+    ) -> Result<(), String> {
+        self.count(stroke.len())?;
+        let unit = self.unit.unwrap_or(1e-3);
+        for point in &mut stroke {
+            let placed = frame.place(point.map(|metres| metres / unit));
+            let metres = placed.map(|it| within_reach(unit * it).map_err(|e| e.to_string()));
+            let [x, y] = metres;
+            *point = [x?, y?];
+        }
+        let name = frame.layer_of(entity);
         let index = match self.pens.iter().position(|pen| pen.name == name) {
             Some(index) => index,
             None => {

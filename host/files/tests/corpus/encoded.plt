@@ -1,0 +1,1 @@
+IN;SP1;PE<=PP>7Q;SP0;
