@@ -11,6 +11,8 @@ const CLEAR: f64 = 0.8e-3;
 const BEYOND: f64 = 1.4;
 /// Points of a stroke that are no other ink, and those left out at its ends.
 const OWN: usize = 2;
+/// Least cosine of the angle between a stroke's directions before and behind a point: a corner has no normal.
+const STRAIGHT: f64 = 0.85;
 /// A stroke over itself, or over another one that was drawn twice, is one line [m].
 const SAME: f64 = 3e-5;
 
@@ -47,6 +49,10 @@ pub(super) fn samples(strokes: &[Vec<Vector2<f64>>], half: f64) -> Vec<Sample> {
             let Some(along) = along.try_normalize(1e-9) else {
                 continue;
             };
+            let [before, after] = [place - points[index - OWN].0, points[index + OWN].0 - place];
+            if before.dot(&after) < STRAIGHT * before.norm() * after.norm() {
+                continue;
+            }
             let normal = Vector2::new(-along.y, along.x);
             let is_other = |&(other, at): &(usize, usize)| {
                 let is_own = other == stroke && at.abs_diff(index) <= OWN;
@@ -132,6 +138,15 @@ mod tests {
             ];
             assert_eq!(!samples(&pair, 1.5e-3).is_empty(), wanted, "{apart}");
         }
+        // A corner has no normal.
+        let corner = [vec![[0.0, 0.0], [0.01, 0.0], [0.01, 0.01]]
+            .into_iter()
+            .map(Vector2::from)
+            .collect()];
+        let at_corner =
+            |sample: &super::Sample| (sample.place - Vector2::new(0.01, 0.0)).norm() < 0.9e-3;
+        let found = samples(&corner, 1.5e-3);
+        assert!(!found.is_empty() && !found.iter().any(at_corner));
         // A line drawn twice is one.
         let twice = [
             line([0.0, 0.0], [0.02, 0.0]),

@@ -238,14 +238,7 @@ impl fmt::Display for Warning {
             WarningKind::DwellUnit(dialect, sign) => {
                 return write_dwell_unit(f, *dialect, sign.as_ref());
             }
-            WarningKind::PenHeight(height) => {
-                return write!(
-                    f,
-                    "the tool is down up to Z{}, the middle between the file's heights, because \
-                     all of them are on one side of Z0; --pen-height gives another height",
-                    (1e6 * height).round() / 1e3
-                );
-            }
+            WarningKind::PenHeight(height) => return write_pen_height(f, *height),
             WarningKind::PenDown => {
                 return f.write_str(
                     "any S above 0 puts the tool down, because it has two states only; down_s and \
@@ -253,13 +246,7 @@ impl fmt::Display for Warning {
                 );
             }
             WarningKind::PenSpeeds { down, up } => return write_pen_speeds(f, *down, *up),
-            WarningKind::Purge(layer) => {
-                return write!(
-                    f,
-                    "what is drawn from here to line {layer}, before the first layer, is the slicer's \
-                     purge line: take it out of its start code if the paper should not have it"
-                );
-            }
+            WarningKind::Purge(layer) => return write_purge(f, *layer),
             WarningKind::Parking => {
                 return f.write_str(
                     "the travel from here on is left out, because the arm cannot do it and nothing \
@@ -324,6 +311,23 @@ fn write_dwell_unit(
             "P of G4 is in seconds, as Grbl has it; --dialect reprap makes it milliseconds",
         ),
     }
+}
+
+fn write_purge(f: &mut fmt::Formatter<'_>, layer: u32) -> fmt::Result {
+    write!(
+        f,
+        "what is drawn from here to line {layer}, before the first layer, is the slicer's purge \
+         line: take it out of its start code if the paper should not have it"
+    )
+}
+
+fn write_pen_height(f: &mut fmt::Formatter<'_>, height: f64) -> fmt::Result {
+    write!(
+        f,
+        "the tool is down up to Z{}, the middle between the file's heights, because all of them \
+         are on one side of Z0; --pen-height gives another height",
+        (1e6 * height).round() / 1e3
+    )
 }
 
 fn write_pen_speeds(f: &mut fmt::Formatter<'_>, down: f64, up: f64) -> fmt::Result {

@@ -6,7 +6,7 @@ use fivebar_files::scenario::Scenario;
 use fivebar_kinematics::five_bar::{Geometry, Pose, Tool};
 use fivebar_report::study::photo::strokes;
 use fivebar_testkit::{Camera, Paper, circle};
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -205,11 +205,23 @@ fn the_map_shows_what_the_arm_drew() {
             values.try_into().unwrap()
         })
         .collect();
+    // What the arm drew, moved and turned over the job.
+    let place = |values: &[f64; 5]| Vector2::new(values[0], values[1]);
+    let mean = |point: &dyn Fn(&[f64; 5]) -> Vector2<f64>| {
+        rows.iter().map(point).sum::<Vector2<f64>>() / rows.len() as f64
+    };
+    let [from, to] = [mean(&|values| arm.drawn(place(values))), mean(&place)];
+    let turn = rows.iter().fold(Vector2::zeros(), |sum, values| {
+        let (p, q) = (arm.drawn(place(values)) - from, place(values) - to);
+        sum + Vector2::new(p.dot(&q), p.perp(&q))
+    });
+    let turn = Rotation2::new(turn.y.atan2(turn.x));
+    let real = |values: &[f64; 5]| {
+        let moved = to + turn * (arm.drawn(place(values)) - from) - place(values);
+        Vector2::new(values[2], values[3]).dot(&moved)
+    };
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     let row = |&[x, y, u, v, _]: &[f64; 5]| Vector3::new(u, v, v * x - u * (y - 0.18));
-    let real = |&[x, y, u, v, _]: &[f64; 5]| {
-        Vector2::new(u, v).dot(&(arm.drawn(Vector2::new(x, y)) - Vector2::new(x, y)))
-    };
     for values in &rows {
         normal += row(values) * row(values).transpose();
         right += row(values) * (real(values) - values[4]);
