@@ -6,7 +6,6 @@ use super::picture::Picture;
 use super::profile::ink_middle;
 use super::samples::{SPACING, Sample, length, samples};
 use super::view::{LENS, View};
-use crate::fit::median;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::f64::consts::TAU;
 
@@ -96,8 +95,10 @@ const FOUND: f64 = 0.4;
 const LENS_POINTS: usize = 1500;
 /// Step between the distortions that are tried first: it moves a point by less than half a window.
 const LENS_STEP: f64 = 4e-3;
-/// Points along a stroke whose median is taken, so that a speck does not count.
-const MEDIAN: usize = 5;
+/// Neighbours of a point along its stroke, to each side.
+const NEAR: usize = 2;
+/// An error that is farther outside of those of its neighbours is of a speck [m].
+const SPECK: f64 = 0.1e-3;
 
 type Pairs = [(Vector2<f64>, Vector2<f64>); 4];
 
@@ -274,21 +275,23 @@ fn better_lens(photo: &Photograph<'_>, pairs: &Pairs, few: &[Sample], lens: f64)
     0.5 * (low + high)
 }
 
-/// The errors that were found, each as the median of its neighbours along the stroke.
+/// The errors that were found, without those that lie outside of what their neighbours along the stroke have,
+/// such as at a speck, and without those that have no neighbours.
 fn without_specks(found: &[Option<Deviation>]) -> Vec<Deviation> {
-    let near = |index: usize| {
-        let first = index.saturating_sub(MEDIAN / 2);
-        found[first..(index + MEDIAN / 2 + 1).min(found.len())]
-            .iter()
-            .flatten()
-    };
     let smooth = found.iter().enumerate().filter_map(|(index, own)| {
         let own = (*own)?;
-        let far = (MEDIAN as f64) * SPACING;
-        let of_stroke = near(index)
-            .filter(|other| other.stroke == own.stroke && (other.place - own.place).norm() < far);
-        let error = median(of_stroke.map(|other| other.error))?;
-        Some(Deviation { error, ..own })
+        let first = index.saturating_sub(NEAR);
+        let near = found[first..(index + NEAR + 1).min(found.len())]
+            .iter()
+            .flatten();
+        let beside = near.filter(|other| {
+            let away = (other.place - own.place).norm();
+            other.stroke == own.stroke && away > 0.0 && away < (NEAR as f64 + 0.5) * SPACING
+        });
+        let [low, high] = beside.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], other| {
+            [low.min(other.error), high.max(other.error)]
+        });
+        (low - SPECK <= own.error && own.error <= high + SPECK).then_some(own)
     });
     smooth.collect()
 }

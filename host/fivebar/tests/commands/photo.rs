@@ -85,9 +85,8 @@ fn marks(folder: &Path) -> Vec<[f64; 2]> {
     serde_json::from_value(marks["marks_m"].clone()).unwrap()
 }
 
-/// The photograph: the demonstration and its marks as that arm draws them.
-fn sample(marks: &[[f64; 2]]) -> (Camera, Vec<u8>) {
-    let arm = Arm::new();
+/// The strokes of the demonstration as that arm draws them [m].
+fn drawn_strokes(arm: &Arm) -> Vec<Vec<[f64; 2]>> {
     let robot = Robot::load("benchtop").unwrap();
     let text = std::fs::read_to_string(JOB).unwrap();
     let scenario = Scenario::new("", robot, "", text);
@@ -99,7 +98,13 @@ fn sample(marks: &[[f64; 2]]) -> (Camera, Vec<u8>) {
         ends.map(|point| arm.drawn(point).into())
             .collect::<Vec<_>>()
     };
-    let mut strokes: Vec<_> = job.points.iter().map(fine).collect();
+    job.points.iter().map(fine).collect()
+}
+
+/// The photograph: the demonstration and its marks as that arm draws them.
+fn sample(marks: &[[f64; 2]]) -> (Camera, Vec<u8>) {
+    let arm = Arm::new();
+    let mut strokes = drawn_strokes(&arm);
     for (index, mark) in marks.iter().enumerate() {
         let circles = if index == 0 { 3 } else { 2 };
         for n in 1..=circles {
@@ -189,13 +194,22 @@ fn the_map_shows_what_the_arm_drew() {
         distances += &format!("{},{},{:.5}\n", from + 1, to + 1, (a - b).norm());
     }
     std::fs::write(folder.join("ruler.csv"), distances).unwrap();
-    let more = ["--distances", "ruler.csv", "--window", "2mm"];
+    // With a lens that is known, nothing of the arm's errors is taken for it.
+    let more = [
+        "--distances",
+        "ruler.csv",
+        "--window",
+        "2mm",
+        "--lens",
+        "-0.03",
+    ];
     let found = answer(folder, &[&args[..], &more].concat());
     assert!(found["measured_m"].as_f64() > Some(0.4), "{found}");
     let table = std::fs::read_to_string(folder.join("out/photo/photo.csv")).unwrap();
     let rows: Vec<[f64; 5]> = table
         .lines()
         .skip(1)
+        .step_by(4)
         .map(|line| {
             let values: Vec<f64> = line
                 .split(',')
@@ -216,9 +230,25 @@ fn the_map_shows_what_the_arm_drew() {
         sum + Vector2::new(p.dot(&q), p.perp(&q))
     });
     let turn = Rotation2::new(turn.y.atan2(turn.x));
+    let lines: Vec<[Vector2<f64>; 2]> = drawn_strokes(&arm)
+        .iter()
+        .flat_map(|stroke| stroke.windows(2))
+        .map(|ends| [0, 1].map(|end| to + turn * (Vector2::from(ends[end]) - from)))
+        .collect();
+    // Where the ink crosses the way across a stroke.
     let real = |values: &[f64; 5]| {
-        let moved = to + turn * (arm.drawn(place(values)) - from) - place(values);
-        Vector2::new(values[2], values[3]).dot(&moved)
+        let across = Vector2::new(values[2], values[3]);
+        let along = Vector2::new(across.y, -across.x);
+        let crossings = lines.iter().filter_map(|line| {
+            let [a, b] = line.map(|end| end - place(values));
+            if a.norm_squared() > 25e-6 {
+                return None;
+            }
+            let [u, v] = [a.dot(&along), b.dot(&along)];
+            (u * v <= 0.0 && u != v).then(|| a.lerp(&b, u / (u - v)).dot(&across))
+        });
+        let off = |crossing: &f64| (crossing - values[4]).abs();
+        crossings.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
     };
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     let row = |&[x, y, u, v, _]: &[f64; 5]| Vector3::new(u, v, v * x - u * (y - 0.18));
