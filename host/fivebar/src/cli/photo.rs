@@ -121,6 +121,12 @@ fn measure(
     picture_file: &Path,
     marks_file: &Path,
 ) -> Result<(), Failure> {
+    if args.points.is_some() && scenario.robot.tool.offset != [0.0; 2] {
+        return Err(refused(format_args!(
+            "--points needs a pen at C: `calibrate` measures C, and the pen of `{}` is beside it ([tool] offset)",
+            scenario.robot.name
+        )));
+    }
     let folder = OutputFolder::prepare(&args.out, "--out").map_err(refused)?;
     let in_marks =
         |error: &dyn std::fmt::Display| refused(format_args!("{}: {error}", marks_file.display()));

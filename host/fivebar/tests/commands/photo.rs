@@ -328,6 +328,27 @@ fn refusals_name_the_remedy() {
     with("broken.jpg", "marks.gcode", "the JPEG is broken");
     with("none.png", "marks.gcode", "none.png");
     with(SAMPLE, JOB, "that --draw-marks wrote");
+    let text = include_str!("../../../files/robots/benchtop.toml");
+    std::fs::write(
+        folder.join("beside.toml"),
+        format!("{text}\n[tool]\noffset = [0.01, 0.0]\n"),
+    )
+    .unwrap();
+    refused(
+        folder,
+        &[
+            JOB,
+            SAMPLE,
+            "--marks",
+            "marks.gcode",
+            "--robot",
+            "beside.toml",
+            "--points",
+            "points.csv",
+        ],
+        "a pen at C",
+    );
+    assert!(!folder.join("points.csv").exists());
     let marked = [JOB, SAMPLE, "--marks", "marks.gcode"];
     let and = |more: &[&str], wanted: &str| refused(folder, &[&marked, more].concat(), wanted);
     // The job at another place is another job.
