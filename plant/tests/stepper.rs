@@ -68,9 +68,9 @@ fn rest(plant: &mut StepperPlant, seconds: f64) {
     }
 }
 
-/// The greatest mean torque over all lags of the rotor behind the field, at a constant speed [rad/s] with this
-/// set-point of the current [A].
-fn simulated_pull_out(motor: &Stepper, current: f64, speed: f64) -> f64 {
+/// The greatest mean torques over all lags of the rotor behind the field, at a constant speed [rad/s] with this
+/// set-point of the current [A]: driving and braking.
+fn simulated_pull_out(motor: &Stepper, current: f64, speed: f64) -> [f64; 2] {
     let period = TAU / (motor.periods() * speed);
     let steps = (period / 2e-6).ceil();
     let time = period / steps;
@@ -93,9 +93,10 @@ fn simulated_pull_out(motor: &Stepper, current: f64, speed: f64) -> f64 {
         }
         sum
     };
-    (0..64)
-        .map(|k| mean(PI * f64::from(k) / 32.0))
-        .fold(0.0, f64::max)
+    let means = (0..64).map(|k| mean(PI * f64::from(k) / 32.0));
+    means.fold([0.0, 0.0], |[driving, braking], mean| {
+        [mean.max(driving), braking.max(-mean)]
+    })
 }
 
 /// V₁, the amplitude of the winding's voltage at the field's frequency, is between V and 4V/π of a square wave.
@@ -104,21 +105,49 @@ fn the_pull_out_torque_is_that_of_the_closed_form() {
     assert!((NEMA17.pull_out_torque(120.0, SUPPLY) - 0.30).abs() < 1e-3);
     let square = 4.0 / PI * SUPPLY;
     for speed in [5.0, 20.0, 40.0, 80.0, 120.0, 200.0, 300.0, 500.0] {
-        let found = simulated_pull_out(&NEMA17, NEMA17.rated_current, speed);
+        let [found, braking] = simulated_pull_out(&NEMA17, NEMA17.rated_current, speed);
         let lower = NEMA17.pull_out_torque(speed, SUPPLY);
         let upper = NEMA17.pull_out_torque(speed, square);
-        println!("{speed:5} rad/s: {lower:.3} <= {found:.3} <= {upper:.3}");
+        println!("{speed:5} rad/s: {lower:.3} <= {found:.3} <= {upper:.3}, braking {braking:.3}");
         // Where the current and the voltage are limited at once, both together give less than either.
         let least = if speed == 80.0 { 0.95 } else { 0.995 };
         assert!(found > least * lower, "{speed}: {found} {lower}");
         assert!(found < 1.005 * upper, "{speed}: {found} {upper}");
+        assert!(braking > 0.995 * found, "{speed}: {braking} {found}");
     }
     // A set-point that is never reached drives the windings by a square wave.
     for speed in [150.0, 300.0, 500.0] {
-        let found = simulated_pull_out(&NEMA17, 1e3, speed);
+        let [found, _] = simulated_pull_out(&NEMA17, 1e3, speed);
         let expected = NEMA17.pull_out_torque(speed, square);
         println!("{speed:5} rad/s, square: {found:.4} for {expected:.4}");
         assert!((found / expected - 1.0).abs() < 0.005, "{found} {expected}");
+    }
+}
+
+#[test]
+fn the_line_below_the_pull_out_torque_leaves_most_of_it() {
+    for (fastest, supply, least) in [
+        (60.0, 24.0, 1.0),
+        (140.0, 24.0, 0.94),
+        (300.0, 24.0, 0.7),
+        (250.0, 48.0, 0.9),
+    ] {
+        let [rest, slope] = NEMA17.pull_out_line(fastest, supply);
+        let mut smallest = f64::INFINITY;
+        for k in 0..=1000 {
+            let speed = fastest * f64::from(k) / 1000.0;
+            let (line, curve) = (
+                (rest - slope * speed).min(NEMA17.holding_torque),
+                NEMA17.pull_out_torque(speed, supply),
+            );
+            // Between its 64 places the line is above a bent curve by less than this.
+            assert!(line <= curve * 1.0005, "{speed} rad/s: {line} {curve}");
+            smallest = smallest.min(line / curve);
+        }
+        println!(
+            "{fastest} rad/s, {supply} V: {rest:.3} - {slope:.5} ω, {smallest:.3} of it or more"
+        );
+        assert!(smallest >= least, "{smallest}");
     }
 }
 

@@ -6,8 +6,8 @@
 
 use crate::segment::segment;
 use fivebar_design::time_optimal::{
-    DrivenArm, JobPath, PathPart, PathPiece, PlanError, PlanLimits, TimedPiece, TimedRun,
-    plan_timed,
+    DrivenArm, JobPath, KnotInterval, PathPart, PathPiece, PlanError, PlanLimits, TimedPiece,
+    TimedRun, plan_timed,
 };
 use fivebar_files::robot::{MissingMasses, Robot, WorkspaceError};
 use fivebar_firmware::planner::{MoveError, Planner};
@@ -70,6 +70,9 @@ const JOINT_SHARE: f64 = 0.98;
 const MOST_INERTIA: f64 = 30.0;
 /// Time between the knots of a plan's spline, on arms that are not on steppers [s].
 const INTERVAL: f64 = 4e-3;
+/// The least time between the knots of a plan's spline on steppers, of a rotor's period of swinging: in a quicker change
+/// of acceleration it swings too far, in a slower one the motion takes longer.
+const OF_A_SWING: f64 = 0.7;
 /// The limits of the tool by which the look-ahead chooses between rounding a corner and stopping
 /// there: more than an arm's.
 const TOOL: MotionLimits<f64> = MotionLimits {
@@ -100,8 +103,8 @@ pub struct JobPlanner {
     arm: DrivenArm,
     envelope: Envelope<f64>,
     limits: PlanLimits,
-    /// Time between the knots of a plan's spline [s].
-    interval: f64,
+    /// Between the knots of a plan's spline.
+    interval: KnotInterval,
     waits: bool,
     /// [m/s].
     approach: f32,
@@ -126,10 +129,11 @@ impl JobPlanner {
             return Err(TimeOptimalError::Swings(ratio));
         }
         let drives = robot.drives()?;
-        // A stepper's limit has its own share, of its pull-out torque.
-        let torque_share = match robot.has_steppers() {
-            true => JOINT_SHARE,
-            false => torque_share,
+        // A stepper's limits have their own share, of its pull-out torque.
+        let falling_torque = robot.falling_torque();
+        let torque_share = match falling_torque {
+            Some(_) => JOINT_SHARE,
+            None => torque_share,
         };
         let torque = drives.map(|drive| torque_share * drive.peak_torque());
         let share = |values: [f64; 2]| values.map(|value| JOINT_SHARE * value);
@@ -148,6 +152,7 @@ impl JobPlanner {
             },
             limits: PlanLimits {
                 torque,
+                falling_torque,
                 speed: share(robot.limits.max_speed),
                 acceleration: share(robot.limits.max_acceleration),
                 voltage: robot
@@ -157,9 +162,10 @@ impl JobPlanner {
                 tip_speed: None,
                 tip_acceleration: None,
             },
-            interval: robot
-                .swing_period()
-                .map_or(INTERVAL, |swing| swing.max(INTERVAL)),
+            interval: match robot.swing_period() {
+                Some(swing) => KnotInterval::AtLeast(OF_A_SWING * swing),
+                None => KnotInterval::AtMost(INTERVAL),
+            },
             waits: robot.tool_output.waits(),
             approach: robot.motion.max_speed as f32,
         })

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | torque τj | the demand's own row |
 //! | voltage R τj/K + K q̇j | (R/K)·(the torque's row), d increased by K q′j |
+//! | torque \|τj\| + f \|q̇j\| that falls with the speed | two rows of the torque, d increased and decreased by f q′j |
 //! | acceleration q′j u + q″j x | (q′j, q″j, 0, 0) |
 //! | tip acceleration C′u + C″x | its components in 16 directions within a half turn: a polygon inside the circle, 0.5 % smaller at most |
 //! | speed | x ≤ (ωmax/q′j)² |
@@ -15,12 +16,23 @@ use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
+/// A drive's torque that falls with its speed, whether it drives or brakes: |τ| + `slope` |q̇| ≤ `standing`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FallingTorque {
+    /// At rest, at the joint [N·m].
+    pub standing: f64,
+    /// By which it falls with the joint's speed [N·m·s/rad].
+    pub slope: f64,
+}
+
 /// The limits of a plan; pairs are of joint 1 and joint 4. A limit that is infinite or `None`
 /// does not apply.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanLimits {
     /// Greatest torque at each joint [N·m].
     pub torque: [f64; 2],
+    /// Greatest torque at each joint by its speed.
+    pub falling_torque: Option<[FallingTorque; 2]>,
     /// Greatest speed of each joint [rad/s].
     pub speed: [f64; 2],
     /// Greatest acceleration of each joint [rad/s²].
@@ -50,6 +62,13 @@ impl PlanLimits {
             };
             if self.torque[j].is_finite() {
                 rows.push(torque);
+            }
+            for (slope, limit) in self.falling(j) {
+                rows.push(Row {
+                    d: torque.d + slope * at.q1[j],
+                    limit,
+                    ..torque
+                });
             }
             if let Some(voltage) = self.voltage
                 && drive.torque_constant > 0.0
@@ -83,6 +102,15 @@ impl PlanLimits {
         }
     }
 
+    /// The limits |τ + f q̇| ≤ limit of a joint's torque that falls with its speed, as f and limit: forwards and
+    /// backwards.
+    fn falling(&self, joint: usize) -> impl Iterator<Item = (f64, f64)> {
+        let limits = self.falling_torque.map(|limits| limits[joint]);
+        limits
+            .into_iter()
+            .flat_map(|FallingTorque { standing, slope }| [(slope, standing), (-slope, standing)])
+    }
+
     /// The greatest x that the speeds allow.
     pub(super) fn ceiling(&self, at: &Demand) -> f64 {
         let joint = |j: usize| self.speed[j] / at.q1[j].abs();
@@ -113,6 +141,10 @@ impl PlanLimits {
             pace = pace
                 .min(first_passing(square, linear, c[j], self.torque[j]))
                 .min((self.acceleration[j] / acceleration.abs()).sqrt());
+            for (slope, limit) in self.falling(j) {
+                let linear = linear + slope * at.q1[j] * rate;
+                pace = pace.min(first_passing(square, linear, c[j], limit));
+            }
             if let Some(voltage) = self.voltage
                 && drive.torque_constant > 0.0
             {
@@ -139,6 +171,9 @@ impl PlanLimits {
                 .max(torque[j].abs() / self.torque[j])
                 .max(speed.abs() / self.speed[j])
                 .max(acceleration.abs() / self.acceleration[j]);
+            for (slope, limit) in self.falling(j) {
+                used = used.max((torque[j] + slope * speed).abs() / limit);
+            }
             if let Some(voltage) = self.voltage
                 && drive.torque_constant > 0.0
             {

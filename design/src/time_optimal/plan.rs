@@ -37,7 +37,9 @@ pub(super) fn check(limits: &PlanLimits, pieces: &[PathPiece]) -> Result<(), Pla
     let joints = [limits.torque, limits.speed, limits.acceleration].concat();
     let others = [limits.voltage, limits.tip_speed, limits.tip_acceleration];
     let mut all = joints.into_iter().chain(others.into_iter().flatten());
-    if !all.all(|limit| limit > 0.0) {
+    let falling = limits.falling_torque.into_iter().flatten();
+    let mut falls = falling.map(|limit| limit.standing > 0.0 && limit.slope >= 0.0);
+    if !all.all(|limit| limit > 0.0) || !falls.all(|is_sound| is_sound) {
         return Err(PlanError::Limit);
     }
     if pieces.is_empty() {

@@ -23,6 +23,31 @@ pub struct TimedPiece {
     pub duration: f64,
 }
 
+/// The time from one knot of a run's spline to the next, in which its acceleration changes evenly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KnotInterval {
+    /// At most so long [s]: the shorter, the faster and the less smooth the run.
+    AtMost(f64),
+    /// At least so long [s]: no change of acceleration is quicker, also where a run is short.
+    AtLeast(f64),
+}
+
+impl KnotInterval {
+    /// The number of intervals of a run that would take `total` [s] without it, and their time [s].
+    fn of(self, total: f64) -> (f64, f64) {
+        match self {
+            Self::AtMost(most) => {
+                let count = (total / most).ceil().max(FEWEST);
+                (count, total / count)
+            }
+            Self::AtLeast(least) => {
+                let count = (total / least).floor().max(FEWEST);
+                (count, (total / count).max(least))
+            }
+        }
+    }
+}
+
 /// A run in cubic pieces, with continuous acceleration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedRun {
@@ -47,8 +72,7 @@ const SHORTEST: f64 = 2e-7;
 /// The longest slowing at the end, for limits that bounds of x do not keep.
 const SLOWEST: f64 = 1.5;
 
-/// The run along pieces that follow one another, from rest to rest, in cubics of at most `interval`
-/// [s]. The shorter the interval, the faster and the less smooth the run.
+/// The run along pieces that follow one another, from rest to rest, in cubics of this `interval`.
 ///
 /// # Errors
 /// [`PlanError`], with s where it was found.
@@ -56,7 +80,7 @@ pub fn plan_timed(
     arm: &DrivenArm,
     limits: &PlanLimits,
     pieces: &[PathPiece],
-    interval: f64,
+    interval: KnotInterval,
 ) -> Result<TimedRun, PlanError> {
     check(limits, pieces)?;
     let even_points = 2 + (Grid::length_of(pieces) / 1e-3).ceil() as usize;
@@ -104,9 +128,9 @@ fn times(solved: &Solved<'_>) -> Vec<f64> {
 }
 
 /// The spline of a run at even times.
-fn smoothed(solved: &Solved<'_>, times: &[f64], interval: f64) -> Spline {
+fn smoothed(solved: &Solved<'_>, times: &[f64], interval: KnotInterval) -> Spline {
     let total = times[times.len() - 1];
-    let count = (total / interval).ceil().max(FEWEST);
+    let (count, time) = interval.of(total);
     let h = total / count;
     let (cells, x) = (&solved.grid.cells, &solved.x);
     let mut i = 0;
@@ -122,7 +146,7 @@ fn smoothed(solved: &Solved<'_>, times: &[f64], interval: f64) -> Spline {
         samples.push(s.min(cells[i].s + cells[i].w));
     }
     samples.push(solved.grid.length());
-    Spline::new(&samples, h)
+    Spline::new(&samples, time)
 }
 
 /// A point that moves along a spline by s.

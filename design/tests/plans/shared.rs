@@ -39,6 +39,7 @@ pub(crate) fn driven(arm: &Arm<f64>, friction: [f64; 2]) -> DrivenArm {
 pub(crate) fn torque_limits(torque: f64) -> PlanLimits {
     PlanLimits {
         torque: [torque; 2],
+        falling_torque: None,
         speed: [f64::INFINITY; 2],
         acceleration: [f64::INFINITY; 2],
         voltage: None,

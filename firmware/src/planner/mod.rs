@@ -55,9 +55,6 @@ const SLOWED_BELOW: f32 = 0.999;
 /// Number of slowed moves that are remembered: as many as can be queued.
 const SLOWED: usize = PLANNED_SEGMENTS + QUEUED_SEGMENTS;
 
-/// Share of the peak torque that the planner uses. The rest is for feedback and friction.
-const TORQUE_SHARE: f32 = 0.8;
-
 /// The queue of moves and its look-ahead.
 ///
 /// ```
@@ -197,6 +194,7 @@ impl Planner {
             horizon,
             slowed,
         } = self;
+        let share = settings.advanced.motion_torque;
         *envelope = Envelope {
             workspace: Workspace {
                 tool: *settings.tool(),
@@ -208,7 +206,7 @@ impl Planner {
             joint_acceleration: settings.axes.map(|axis| axis.max_acceleration),
             torque: Some(TorqueLimits {
                 arm: *settings.arm(),
-                torque: settings.peak_torque().map(|torque| TORQUE_SHARE * torque),
+                torque: settings.peak_torque().map(|torque| share * torque),
             }),
             tool_motion: MotionLimits {
                 speed: motion.max_speed,

@@ -354,12 +354,19 @@ fields! {
             ["s"] = 60.0;
         all.advanced.disarm_timeout => 1 to 86_400
     }
+    MotionTorque {
+        "advanced.motion_torque" as "advanced.motion_torque",
+        "Share of the peak torque that motions at feed rates may take; the rest is for feedback and friction"
+            [""] = 0.8;
+        all.advanced.motion_torque => 0.01 to 1
+    }
 }
 
 // What a new number of the controller needs is a row above and a line here. Lines are added at the
 // end and stay: the stored settings of an older firmware end before them.
 advanced! {
     disarm_timeout: DisarmTimeout,
+    motion_torque: MotionTorque,
 }
 
 /// Numbers that other fields are checked with, or that every value fits.

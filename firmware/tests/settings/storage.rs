@@ -151,7 +151,7 @@ fn a_half_is_erased_as_a_whole_at_its_120th_save_and_at_no_other() {
 fn a_change_of_the_settings_gives_their_layout_a_new_number() {
     let fields = format!("{:?}", settings(0));
     let digest = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(fields.as_bytes());
-    assert_eq!((LAYOUT, digest), (9, 0x8c30_b6ca), "{fields}");
+    assert_eq!((LAYOUT, digest), (10, 0x8c30_b6ca), "{fields}");
 }
 
 /// The flash after five saves by older firmware, of which `shown` bytes at the beginning of each half were written.
@@ -164,11 +164,18 @@ fn flash_of(shown: &[u8]) -> Nor {
     flash
 }
 
+/// Settings of this number with the default of what the table of layout 9 lacks.
+fn before_layout_10(number: u16) -> Settings {
+    let mut settings = settings(number);
+    settings.advanced.motion_torque = AdvancedSettings::DEFAULT.motion_torque;
+    settings
+}
+
 /// What older firmware saved, and what its settings of this number are now: in layout 7 without `advanced`, in
-/// layout 8 with it. Both without belts.
+/// layout 8 with its first number, both without belts, and in layout 9 with belts.
 type Older = (&'static [u8], fn(u16) -> Settings);
 
-const OLDER: [Older; 2] = [
+const OLDER: [Older; 3] = [
     (include_bytes!("../data/layout_7.bin"), |number| Settings {
         advanced: AdvancedSettings::DEFAULT,
         belts: [BeltSettings::RIGID; 2],
@@ -176,8 +183,9 @@ const OLDER: [Older; 2] = [
     }),
     (include_bytes!("../data/layout_8.bin"), |number| Settings {
         belts: [BeltSettings::RIGID; 2],
-        ..settings(number)
+        ..before_layout_10(number)
     }),
+    (include_bytes!("../data/layout_9.bin"), before_layout_10),
 ];
 
 #[test]

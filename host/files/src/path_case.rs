@@ -159,6 +159,7 @@ impl From<CaseFile> for PathCase {
             working_mode: WorkingMode::new(elbow1, elbow4),
             limits: PlanLimits {
                 torque: limits.torque,
+                falling_torque: None,
                 speed: limits.speed.unwrap_or([f64::INFINITY; 2]),
                 acceleration: limits.acceleration.unwrap_or([f64::INFINITY; 2]),
                 voltage: limits.voltage,

@@ -8,6 +8,9 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+/// Speeds at which the line below the pull-out torque is compared with it.
+const SPEEDS: u32 = 64;
+
 /// A stepper motor with its driver's micro-steps and its gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepper {
@@ -70,12 +73,43 @@ impl Stepper {
     /// V is the amplitude of the voltage that the driver gives a winding, T the holding torque. A driver that gives the
     /// full supply in turns gives up to 4/π of V and more torque. Where both terms of the minimum are near each other,
     /// current and voltage are limited at once, and there the motor gives up to 5 % less.
+    /// A motor that brakes gives as much or more: there back-EMF and supply drive the current together.
     pub fn pull_out_torque(&self, speed: f64, supply: f64) -> f64 {
+        self.driven_torque(speed, supply)
+            .clamp(0.0, self.holding_torque)
+    }
+
+    /// The second term of the pull-out torque.
+    fn driven_torque(&self, speed: f64, supply: f64) -> f64 {
         let (k, r, speed) = (self.torque_constant(), self.resistance, speed.abs());
         let reactance = self.periods() * speed * self.inductance;
         let squared = r * r + reactance * reactance;
-        let driven = k * supply / squared.sqrt() - k * k * speed * r / squared;
-        driven.clamp(0.0, self.holding_torque)
+        k * supply / squared.sqrt() - k * k * speed * r / squared
+    }
+
+    /// A straight line below the pull-out torque at all speeds up to `fastest` [rad/s], as its torque at rest [N·m] and
+    /// the slope by which it falls [N·m·s/rad]; the holding torque limits it besides. It is the tangent that, with this
+    /// limit, leaves the greatest share of the pull-out torque where it leaves least.
+    pub fn pull_out_line(&self, fastest: f64, supply: f64) -> [f64; 2] {
+        let speeds = (1..=SPEEDS).map(|k| fastest.abs() * f64::from(k) / f64::from(SPEEDS));
+        let curve: Vec<[f64; 2]> = speeds
+            .map(|speed| [speed, self.driven_torque(speed, supply)])
+            .collect();
+        let tangents = curve.windows(2).map(|ends| {
+            let slope = ((ends[0][1] - ends[1][1]) / (ends[1][0] - ends[0][0])).max(0.0);
+            let rests = curve.iter().map(|[speed, torque]| torque + slope * speed);
+            [rests.fold(f64::INFINITY, f64::min), slope]
+        });
+        let least_share = |[rest, slope]: [f64; 2]| {
+            let limited = |torque: f64| torque.min(self.holding_torque);
+            let shares = curve
+                .iter()
+                .map(|&[speed, torque]| limited(rest - slope * speed) / limited(torque));
+            shares.fold(f64::INFINITY, f64::min)
+        };
+        tangents
+            .max_by(|one, other| least_share(*one).total_cmp(&least_share(*other)))
+            .unwrap_or([self.holding_torque, 0.0])
     }
 
     /// The frequency of small oscillations about the field at the rated current, √(N T/J)/2π [Hz], with the inertia

@@ -5,8 +5,8 @@ use super::{Actuator, Control, HomeMethod, MissingMasses, Robot, home_method};
 use fivebar_design::servo::BeltTuning;
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
-    AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomingSettings, LinkSettings,
-    MotionSettings, ProtectionSettings,
+    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomingSettings,
+    LinkSettings, MotionSettings, ProtectionSettings,
 };
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Joint, Side};
@@ -96,7 +96,10 @@ impl Robot {
             },
             tool_output: self.tool_output,
             crossing_allowed: self.crossing.allowed,
-            advanced: self.advanced,
+            advanced: AdvancedSettings {
+                motion_torque: self.advanced.motion_torque * single(self.torque_at_speed()),
+                ..self.advanced
+            },
             brake: brakes(&actuators),
             belts: belt_settings(belts, &actuators),
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
@@ -196,10 +199,10 @@ impl Robot {
         (0.3 * peak + held.fold(0.0, f64::max)).min(peak)
     }
 
-    /// A drive whose currents are limited to the joint's greatest torque; a stepper's also to its share of the pull-out
-    /// torque at the joint's greatest speed.
+    /// A drive whose currents are limited to the joint's greatest torque; a stepper's also to its share of the holding
+    /// torque.
     pub(super) fn limited(&self, joint: Joint, drive: Actuator) -> Actuator {
-        let share = drive.pull_out_share(self.supply.voltage, self.limits.max_speed[joint]);
+        let share = drive.torque_share();
         let drive = Actuator {
             peak_current: share * drive.peak_current,
             continuous_current: share * drive.continuous_current,

@@ -1,10 +1,12 @@
 //! Stepper motors: their torque against speed, and their checks.
 //!
 //! A stepper loses steps where its load exceeds its pull-out torque, which falls with the speed. Motions take a share of
-//! it: that at the joint's greatest speed, which is the least.
+//! it. A time-optimal plan takes that share at each speed, by a straight line below the curve; motions at feed rates take
+//! the share at the joint's greatest speed, which is the least.
 
 use super::{Actuator, Robot};
 use crate::source::{FileError, Key, Refusals, Source};
+use fivebar_design::time_optimal::FallingTorque;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Stepper as Motor;
 use std::f64::consts::TAU;
@@ -33,7 +35,7 @@ impl Stepper {
     /// If the file has none.
     pub(super) const STEPS_PER_TURN: u32 = 200;
     /// If the file has none.
-    pub(super) const TORQUE_SHARE: f64 = 0.6;
+    pub(super) const TORQUE_SHARE: f64 = 0.5;
     /// No model of heat guards a stepper, whose driver limits its current: the time of a NEMA 17 with its mount [s].
     pub(super) const HEATING: f64 = 600.0;
 }
@@ -77,6 +79,38 @@ impl Robot {
         let (motors, inertia) = (self.steppers()?, self.inertia_at_motors()?);
         let periods = Joint::ALL.map(|j| 1.0 / motors[j].natural_frequency(inertia[j]));
         Some(periods[0].max(periods[1]))
+    }
+
+    /// The torques at the joints that a time-optimal plan may take of steppers at each speed; none of other motors.
+    pub fn falling_torque(&self) -> Option<[FallingTorque; 2]> {
+        let actuators = self.actuators.as_ref()?;
+        let [first, second] = Joint::ALL.map(|joint| {
+            let Stepper {
+                motor,
+                torque_share,
+            } = actuators[joint].stepper?;
+            let ratio = motor.gear_ratio.abs();
+            let fastest = self.limits.max_speed[joint] * ratio;
+            let [standing, slope] = motor.pull_out_line(fastest, self.supply.voltage);
+            Some(FallingTorque {
+                standing: torque_share * ratio * standing,
+                slope: torque_share * ratio * ratio * slope,
+            })
+        });
+        Some([first?, second?])
+    }
+
+    /// The pull-out torque of a stepper at its joint's greatest speed, over its holding torque, the lesser of both
+    /// joints; 1 of other motors.
+    pub(super) fn torque_at_speed(&self) -> f64 {
+        let shares = self.steppers().map(|motors| {
+            Joint::ALL.map(|joint| {
+                let speed = self.limits.max_speed[joint] * motors[joint].gear_ratio;
+                let torque = motors[joint].pull_out_torque(speed, self.supply.voltage);
+                torque / motors[joint].holding_torque
+            })
+        });
+        shares.map_or(1.0, |[first, second]| first.min(second))
     }
 
     /// The greater of both ratios of the links' inertia at a stepper to its rotor's, with the arm at home; none without
@@ -128,14 +162,9 @@ impl Robot {
 }
 
 impl Actuator {
-    /// The torque that a stepper gives without losing steps up to the joint's greatest speed [rad/s], over its holding
-    /// torque; 1 of other motors.
-    pub(super) fn pull_out_share(&self, voltage: f64, max_speed: f64) -> f64 {
-        self.stepper.map_or(1.0, |stepper| {
-            let motor = &stepper.motor;
-            let pull_out = motor.pull_out_torque(max_speed * self.gear_ratio, voltage);
-            stepper.torque_share * pull_out / motor.holding_torque
-        })
+    /// The share of the holding torque of a stepper that motions may take near rest; 1 of other motors.
+    pub(super) fn torque_share(&self) -> f64 {
+        self.stepper.map_or(1.0, |stepper| stepper.torque_share)
     }
 }
 
@@ -195,7 +224,7 @@ pub(super) fn check(
     // Above 1 the motor is overloaded on purpose: to see the simulated arm lose steps.
     if !(0.05..=2.0).contains(&stepper.torque_share) {
         let reason = format!(
-            "must be 0.05 to 2 of the pull-out torque, not {:?}; 0.6 leaves room for what is not known",
+            "must be 0.05 to 2 of the pull-out torque, not {:?}; 0.5 leaves room for what is not known",
             stepper.torque_share
         );
         refusals.add(source.refuse(key("torque_share"), reason));
@@ -255,8 +284,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
             refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
             continue;
         }
-        let share = actuator.pull_out_share(voltage, max_speed);
-        let most = share * motor.holding_torque * actuator.gear_ratio.abs();
+        let most = stepper.torque_share * at_speed * actuator.gear_ratio.abs();
         let weight = weight.map_or(0.0, |torques| torques[joint.index()].abs());
         if weight > most {
             let reason = format!(
