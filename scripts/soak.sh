@@ -14,7 +14,6 @@
 #   scripts/soak.sh steppers SEED ARMS JOBS       random jobs on random arms with steppers lose no step
 #   scripts/soak.sh stepper-rivals SEED ARMS JOBS likewise, against the best constant acceleration: the table of
 #                                                 docs/verify/stepper-motion.md
-#   scripts/soak.sh edges                         millions of pulses of the image for steppers on the simulated chip
 #   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -50,10 +49,6 @@ case ${1:-} in
         [ "$1" = steppers ] || name=against_the_best_constant
         STEPPERS_SEED=$2 STEPPERS_ARMS=$3 STEPPERS_JOBS=$4 cargo test --quiet --release \
             --package fivebar-sim --test runs -- --nocapture --ignored "$name"
-        ;;
-    edges)
-        cargo test --quiet --manifest-path verify/chip/Cargo.toml --test steppers -- \
-            --nocapture --ignored --exact none_of_a_million_steps_of_each_joint_is_lost_or_doubled
         ;;
     serve)
         SOAK_MINUTES=$2 cargo test --quiet --package fivebar --test serve -- \
