@@ -2,7 +2,7 @@
 
 use super::shared::{arm, driven, factors, line, point, torque_limits};
 use fivebar_design::time_optimal::{
-    FourierSeries, PathPiece, PlanError, PlanLimits, Run, RunSample, plan,
+    FallingTorque, FourierSeries, PathPiece, PlanError, PlanLimits, Run, RunSample, plan,
 };
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
 use nalgebra::Vector2;
@@ -64,6 +64,7 @@ proptest! {
         }
         for other in [
             PlanLimits { voltage: Some(8.0), ..tight },
+            PlanLimits { falling_torque: Some([FallingTorque { standing: 1.0, slope: 0.02 }; 2]), ..tight },
             PlanLimits { tip_speed: Some(0.8), ..tight },
             PlanLimits { tip_acceleration: Some(30.0), ..tight },
         ] {
