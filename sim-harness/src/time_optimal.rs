@@ -6,8 +6,8 @@
 
 use crate::segment::segment;
 use fivebar_design::time_optimal::{
-    DrivenArm, JobPath, KnotInterval, PathPart, PathPiece, PlanError, PlanLimits, TimedPiece,
-    TimedRun, plan_timed,
+    DrivenArm, FallingTorque, JobPath, KnotInterval, PathPart, PathPiece, PlanError, PlanLimits,
+    TimedPiece, TimedRun, plan_timed,
 };
 use fivebar_files::robot::{MissingMasses, Robot, WorkspaceError};
 use fivebar_firmware::planner::{MoveError, Planner};
@@ -70,6 +70,9 @@ const JOINT_SHARE: f64 = 0.98;
 const MOST_INERTIA: f64 = 30.0;
 /// Time between the knots of a plan's spline, on arms that are not on steppers [s].
 const INTERVAL: f64 = 4e-3;
+/// What plans on steppers take of `torque_share`. The rest is for the swing of the rotors where the acceleration changes:
+/// with all of it, random jobs lost steps (docs/verify/stepper-motion.md).
+const BESIDE_SWINGS: f64 = 5.0 / 6.0;
 /// The least time between the knots of a plan's spline on steppers, of a rotor's period of swinging: in a quicker change
 /// of acceleration it swings too far, in a slower one the motion takes longer.
 const OF_A_SWING: f64 = 0.7;
@@ -130,9 +133,14 @@ impl JobPlanner {
         }
         let drives = robot.drives()?;
         // A stepper's limits have their own share, of its pull-out torque.
-        let falling_torque = robot.falling_torque();
+        let falling_torque = robot.falling_torque().map(|joints| {
+            joints.map(|FallingTorque { standing, slope }| FallingTorque {
+                standing: BESIDE_SWINGS * standing,
+                slope: BESIDE_SWINGS * slope,
+            })
+        });
         let torque_share = match falling_torque {
-            Some(_) => JOINT_SHARE,
+            Some(_) => BESIDE_SWINGS * JOINT_SHARE,
             None => torque_share,
         };
         let torque = drives.map(|drive| torque_share * drive.peak_torque());

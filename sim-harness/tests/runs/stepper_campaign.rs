@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::fmt::Write as _;
 
 /// Share of the pull-out torque that the motion by torque takes: that of a robot file that has none.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.6;
 /// So large a share that no limit of the torque holds the rival back.
 const NO_LIMIT: f64 = 10.0;
 /// Accelerations between which the rival is searched [m/s²].

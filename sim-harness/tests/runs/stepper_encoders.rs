@@ -39,12 +39,12 @@ fn encoders_at_motor_or_joint_change_nothing_while_no_step_is_lost() {
 
 #[test]
 fn an_overload_is_noticed_by_the_encoders() {
-    for share in [1.3, 0.5] {
+    for share in [1.3, 0.6] {
         let mut scenario = demonstration("encoder_counts = 4000");
         scenario.robot = benchtop(|text| {
             let keys = "kind = \"stepper\"\nencoder_counts = 4000";
             text.replace("kind = \"stepper\"", keys)
-                .replace("torque_share = 0.5", &format!("torque_share = {share:?}"))
+                .replace("torque_share = 0.6", &format!("torque_share = {share:?}"))
         });
         scenario.time_optimal = Some(0.7);
         let (summary, _) = run(&scenario);

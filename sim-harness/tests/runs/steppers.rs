@@ -44,7 +44,7 @@ fn the_fastest_motion_within_the_share_of_the_torque_loses_no_step_and_far_above
         assert!(record.faults.is_empty());
         assert!(fast.job_s.unwrap() < 0.5 * slow.job_s.unwrap());
     }
-    let overloaded = benchtop(|text| text.replace("torque_share = 0.5", "torque_share = 1.3"));
+    let overloaded = benchtop(|text| text.replace("torque_share = 0.6", "torque_share = 1.3"));
     scenario.robot = overloaded;
     let (lost, record) = run(&scenario);
     let steps = lost.lost_steps.unwrap();

@@ -35,7 +35,7 @@ impl Stepper {
     /// If the file has none.
     pub(super) const STEPS_PER_TURN: u32 = 200;
     /// If the file has none.
-    pub(super) const TORQUE_SHARE: f64 = 0.5;
+    pub(super) const TORQUE_SHARE: f64 = 0.6;
     /// No model of heat guards a stepper, whose driver limits its current: the time of a NEMA 17 with its mount [s].
     pub(super) const HEATING: f64 = 600.0;
 }
@@ -224,7 +224,7 @@ pub(super) fn check(
     // Above 1 the motor is overloaded on purpose: to see the simulated arm lose steps.
     if !(0.05..=2.0).contains(&stepper.torque_share) {
         let reason = format!(
-            "must be 0.05 to 2 of the pull-out torque, not {:?}; 0.5 leaves room for what is not known",
+            "must be 0.05 to 2 of the pull-out torque, not {:?}; 0.6 leaves room for what is not known",
             stepper.torque_share
         );
         refusals.add(source.refuse(key("torque_share"), reason));

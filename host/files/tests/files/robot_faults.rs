@@ -168,7 +168,7 @@ fn steppers_are_refused_what_they_cannot_do_with_the_way_out() {
             "`holding_torque` of [[actuator]] 1 must be",
         ),
         (
-            "torque_share = 0.5",
+            "torque_share = 0.6",
             "torque_share = 6.0",
             "must be 0.05 to 2",
         ),
