@@ -17,8 +17,8 @@ use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// A tick.
-const TICK: Time = 100 * MICROSECOND;
+/// A tick, of so many cycles of 168 MHz; the simulation rounds a cycle's time to a femtosecond.
+const TICK: Time = 16_800 * 5_952_381;
 /// The unevenness that is allowed.
 const JITTER: Time = 100 * MICROSECOND / 1000;
 
@@ -130,12 +130,11 @@ struct Bench {
     settings: Settings,
 }
 
-/// The robot's settings with as many micro-steps as the board makes at the joints' greatest speed.
-fn fastest_settings() -> Settings {
+/// The robot's settings with as many micro-steps as the board makes at this greatest speed of the joints [rad/s].
+fn fastest_settings(fastest: f32) -> Settings {
     let robot = Robot::load("benchtop_stepper").expect("a built-in robot");
     let mut settings = robot.settings().expect("settings");
     settings.home_reference.method = HomingMethod::Switch;
-    let fastest = 8.0;
     settings.protection.over_speed = 1.02 * fastest;
     for axis in &mut settings.axes {
         axis.max_speed = fastest;
@@ -242,19 +241,44 @@ impl Bench {
 
 #[test]
 fn every_step_comes_once_evenly_and_with_its_direction_up_to_200_000_in_a_second() {
-    let mut bench = Bench::armed(fastest_settings());
+    let mut bench = Bench::armed(fastest_settings(8.0));
+    every_step_comes_once(
+        &mut bench,
+        &[
+            (0.01, [-0.02, 0.02]),
+            (0.3, [-0.2, 0.2]),
+            (1.0, [-0.5, 0.5]),
+            (1.0, [-0.02, 0.02]),
+            (0.05, [-0.03, 0.01]),
+        ],
+    );
+}
+
+#[test]
+fn none_of_a_million_steps_of_each_joint_is_lost_or_doubled() {
+    let mut bench = Bench::armed(fastest_settings(1.0));
+    // To and fro at each speed, half a second each way, and a million steps at the greatest one.
+    let slower = [0.02, 0.07, 0.17, 0.29, 0.41, 0.53, 0.61, 0.72, 0.83, 0.94];
+    let mut moves: Vec<(f32, [f32; 2])> = Vec::new();
+    for speed in slower.into_iter().chain([1.0; 6]) {
+        let to = 0.5 * speed;
+        moves.extend([(speed, [-to, to]), (speed, [0.0; 2])]);
+    }
+    let edges = every_step_comes_once(&mut bench, &moves);
+    assert!(edges.iter().all(|&edges| edges > 1_000_000), "{edges:?}");
+}
+
+/// Moves both joints to each place by its angles from the start [rad], with this share of the greatest speed, and
+/// returns how many edges came to each driver.
+fn every_step_comes_once(bench: &mut Bench, moves: &[(f32, [f32; 2])]) -> [usize; 2] {
     let start = bench.start;
     let mut position = [0; 2];
-    for (speed, [by1, by4]) in [
-        (0.01, [-0.02, 0.02]),
-        (0.3, [-0.2, 0.2]),
-        (1.0, [-0.5, 0.5]),
-        (1.0, [-0.02, 0.02]),
-        (0.05, [-0.03, 0.01]),
-    ] {
+    let mut wanted_edges = [0, 0];
+    for &(speed, [by1, by4]) in moves {
         let to = [start[0] + by1, start[1] + by4];
         bench.go(to, speed);
         bench.finish();
+        let before = position;
         position = bench.drivers.get().position;
         let wanted = bench.steps_to(to);
         for joint in 0..2 {
@@ -263,6 +287,8 @@ fn every_step_comes_once_evenly_and_with_its_direction_up_to_200_000_in_a_second
                 off.abs() <= 1,
                 "to {to:?}: {position:?} steps for {wanted:?}"
             );
+            // A joint that stops does not turn back.
+            wanted_edges[joint] += (position[joint] - before[joint]).unsigned_abs() as usize;
         }
         let sample = bench.client.sample().expect("a line").expect("a sample");
         assert_eq!(
@@ -274,6 +300,7 @@ fn every_step_comes_once_evenly_and_with_its_direction_up_to_200_000_in_a_second
     let drivers = bench.drivers.get();
     let mut seen = [false; 21];
     let mut worst = 0;
+    let mut found = [0; 2];
     for joint in 0..2 {
         let edges: Vec<(u64, Time)> = drivers
             .edges
@@ -284,6 +311,7 @@ fn every_step_comes_once_evenly_and_with_its_direction_up_to_200_000_in_a_second
                 ((at - phase) / TICK, (at - phase) % TICK)
             })
             .collect();
+        found[joint] = edges.len();
         for tick in edges.chunk_by(|one, next| one.0 == next.0) {
             let count = tick.len() as u64;
             seen[tick.len()] = true;
@@ -311,11 +339,16 @@ fn every_step_comes_once_evenly_and_with_its_direction_up_to_200_000_in_a_second
         assert!(high.min(low) >= 2490 * MICROSECOND / 1000, "{high} {low}");
         assert!(setup >= 5 * MICROSECOND && hold >= MICROSECOND);
     }
+    assert_eq!(
+        found, wanted_edges,
+        "edges, and the steps from place to place"
+    );
+    found
 }
 
 #[test]
 fn an_emergency_stop_ends_the_pulses_at_once_and_the_power_in_a_tick() {
-    let mut bench = Bench::armed(fastest_settings());
+    let mut bench = Bench::armed(fastest_settings(8.0));
     let [one, four] = bench.start;
     bench.go([one - 0.5, four + 0.5], 1.0);
     bench.run(100 * MILLISECOND);
