@@ -301,7 +301,7 @@ fn every_step_comes_once(bench: &mut Bench, moves: &[(f32, [f32; 2])]) -> [usize
     let mut seen = [false; 21];
     let mut worst = 0;
     let mut found = [0; 2];
-    for joint in 0..2 {
+    for (joint, found) in found.iter_mut().enumerate() {
         let edges: Vec<(u64, Time)> = drivers
             .edges
             .iter()
@@ -311,7 +311,7 @@ fn every_step_comes_once(bench: &mut Bench, moves: &[(f32, [f32; 2])]) -> [usize
                 ((at - phase) / TICK, (at - phase) % TICK)
             })
             .collect();
-        found[joint] = edges.len();
+        *found = edges.len();
         for tick in edges.chunk_by(|one, next| one.0 == next.0) {
             let count = tick.len() as u64;
             seen[tick.len()] = true;
