@@ -51,7 +51,7 @@ pub(crate) fn forward<'py>(
     })
 }
 
-/// θ1, θ4 at the corners of the way from these angles to the working mode of these elbows, with the
+/// θ1, θ4 at the corners of the path from these angles to the working mode of these elbows, with the
 /// tool where it is.
 #[pyfunction]
 pub(crate) fn mode_change(

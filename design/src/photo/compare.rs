@@ -217,8 +217,8 @@ fn centred(photo: &Photograph<'_>, pairs: &Pairs, lens: f64) -> Option<Pairs> {
 /// The errors of the samples in this view.
 fn errors(photo: &Photograph<'_>, view: &View, samples: &[Sample]) -> Vec<Option<Deviation>> {
     let error = |sample: &Sample| {
-        let way = [sample.place, sample.normal];
-        let error = ink_middle(photo.picture, view, way, photo.window)?;
+        let across = [sample.place, sample.normal];
+        let error = ink_middle(photo.picture, view, across, photo.window)?;
         Some(Deviation {
             stroke: sample.stroke,
             piece: sample.piece,

@@ -49,9 +49,9 @@ pub fn measured_marks(
         let mut jacobian = DMatrix::zeros(distances.len(), 8);
         for (row, distance) in distances.iter().enumerate() {
             let [a, b] = distance.between;
-            let way = at(x, a) - at(x, b);
-            let unit = way.try_normalize(1e-9)?;
-            residuals[row] = way.norm() - distance.length;
+            let apart = at(x, a) - at(x, b);
+            let unit = apart.try_normalize(1e-9)?;
+            residuals[row] = apart.norm() - distance.length;
             for axis in 0..2 {
                 jacobian[(row, 2 * a + axis)] += unit[axis];
                 jacobian[(row, 2 * b + axis)] -= unit[axis];

@@ -1,12 +1,12 @@
-//! Where a line of ink lies on a short way across it.
+//! Where a stroke's ink lies on a short line across it.
 
 use super::picture::{DARKER, Picture};
 use super::view::View;
 use nalgebra::Vector2;
 
-/// Pixels between two samples of a way.
+/// Pixels between two samples of a line.
 const STEP: f64 = 0.5;
-/// Most samples of a way.
+/// Most samples of a line.
 const MOST: f64 = 400.0;
 /// Share of the samples that are darker than the paper's grey.
 const PAPER: f64 = 0.8;
@@ -14,11 +14,11 @@ const PAPER: f64 = 0.8;
 /// the line's middle.
 const LINE: f64 = 0.5;
 const WEIGHT: f64 = 0.2;
-/// Two lines on one way are told apart no more from this ratio of their ink on.
+/// From this ratio of their ink on, two strokes on one line are not told apart.
 const SECOND: f64 = 0.5;
 
-/// The middle of the ink on the way through `place` along `normal`, from −`half` to `half` [m], weighted
-/// with its darkness. None without a line, with two, or with one that the end of the way cuts.
+/// The middle of the ink on the line through `place` along `normal`, from −`half` to `half` [m], weighted
+/// with its darkness. None without a stroke, with two, or with one that the end of the line cuts.
 pub(super) fn ink_middle(
     picture: &Picture,
     view: &View,

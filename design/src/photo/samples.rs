@@ -5,9 +5,9 @@ use std::collections::HashMap;
 
 /// Distance of two points along a stroke [m].
 pub(super) const SPACING: f64 = 5e-4;
-/// No other ink lies within this distance of the way across a stroke [m]: half the width of a pen, and some.
+/// No other ink lies within this distance of the line across a stroke [m]: half the width of a pen, and some.
 const CLEAR: f64 = 0.8e-3;
-/// The way must be clear to this multiple of its length, because the other ink is not at its place either.
+/// The line must be clear to this multiple of its length, because the other ink is not at its place either.
 const BEYOND: f64 = 1.4;
 /// Points of a stroke that are no other ink, and those left out at its ends.
 const OWN: usize = 2;
@@ -27,7 +27,7 @@ pub(super) struct Sample {
     pub(super) normal: Vector2<f64>,
 }
 
-/// The points along all strokes [m] whose ways across them, of this half length [m], meet no other ink.
+/// The points along all strokes [m] whose lines across them, of this half length [m], meet no other ink.
 pub(super) fn samples(strokes: &[Vec<Vector2<f64>>], half: f64) -> Vec<Sample> {
     let strokes: Vec<_> = strokes.iter().map(|stroke| points(stroke)).collect();
     let cell = |place: Vector2<f64>| {
@@ -61,9 +61,9 @@ pub(super) fn samples(strokes: &[Vec<Vector2<f64>>], half: f64) -> Vec<Sample> {
                 let beyond = (across.abs() - reach).max(0.0);
                 !is_own && across.abs() > SAME && along.dot(&away).hypot(beyond) < CLEAR
             };
-            let ways = (-steps(reach)..=steps(reach))
+            let across = (-steps(reach)..=steps(reach))
                 .map(|step| cell(place + normal * (f64::from(step) * CLEAR)));
-            let is_alone = !ways
+            let is_alone = !across
                 .flat_map(|[x, y]| {
                     (x - 1..=x + 1).flat_map(move |x| (y - 1..=y + 1).map(move |y| [x, y]))
                 })
@@ -84,7 +84,7 @@ pub(super) fn samples(strokes: &[Vec<Vector2<f64>>], half: f64) -> Vec<Sample> {
     samples
 }
 
-/// Steps of the way in which the grid is looked at.
+/// Steps of the line in which the grid is looked at.
 fn steps(reach: f64) -> i32 {
     (reach / CLEAR).ceil() as i32
 }
@@ -94,10 +94,10 @@ fn points(line: &[Vector2<f64>]) -> Vec<(Vector2<f64>, usize)> {
     let mut points = Vec::new();
     let mut ahead = 0.0;
     for (piece, ends) in line.windows(2).enumerate() {
-        let way = ends[1] - ends[0];
-        let length = way.norm();
+        let displacement = ends[1] - ends[0];
+        let length = displacement.norm();
         while ahead <= length && length > 0.0 {
-            points.push((ends[0] + way * (ahead / length), piece));
+            points.push((ends[0] + displacement * (ahead / length), piece));
             ahead += SPACING;
         }
         ahead -= length;

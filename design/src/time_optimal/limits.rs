@@ -25,6 +25,13 @@ pub struct FallingTorque {
     pub slope: f64,
 }
 
+impl FallingTorque {
+    /// f and limit of both rows |τ + f q̇| ≤ limit.
+    fn rows(self) -> [(f64, f64); 2] {
+        [(self.slope, self.standing), (-self.slope, self.standing)]
+    }
+}
+
 /// The limits of a plan; pairs are of joint 1 and joint 4. A limit that is infinite or `None`
 /// does not apply.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +70,11 @@ impl PlanLimits {
             if self.torque[j].is_finite() {
                 rows.push(torque);
             }
-            for (slope, limit) in self.falling(j) {
+            for (slope, limit) in self
+                .falling_torque
+                .into_iter()
+                .flat_map(|limits| limits[j].rows())
+            {
                 rows.push(Row {
                     d: torque.d + slope * at.q1[j],
                     limit,
@@ -102,15 +113,6 @@ impl PlanLimits {
         }
     }
 
-    /// The limits |τ + f q̇| ≤ limit of a joint's torque that falls with its speed, as f and limit: forwards and
-    /// backwards.
-    fn falling(&self, joint: usize) -> impl Iterator<Item = (f64, f64)> {
-        let limits = self.falling_torque.map(|limits| limits[joint]);
-        limits
-            .into_iter()
-            .flat_map(|FallingTorque { standing, slope }| [(slope, standing), (-slope, standing)])
-    }
-
     /// The greatest x that the speeds allow.
     pub(super) fn ceiling(&self, at: &Demand) -> f64 {
         let joint = |j: usize| self.speed[j] / at.q1[j].abs();
@@ -141,7 +143,11 @@ impl PlanLimits {
             pace = pace
                 .min(first_passing(square, linear, c[j], self.torque[j]))
                 .min((self.acceleration[j] / acceleration.abs()).sqrt());
-            for (slope, limit) in self.falling(j) {
+            for (slope, limit) in self
+                .falling_torque
+                .into_iter()
+                .flat_map(|limits| limits[j].rows())
+            {
                 let linear = linear + slope * at.q1[j] * rate;
                 pace = pace.min(first_passing(square, linear, c[j], limit));
             }
@@ -171,7 +177,11 @@ impl PlanLimits {
                 .max(torque[j].abs() / self.torque[j])
                 .max(speed.abs() / self.speed[j])
                 .max(acceleration.abs() / self.acceleration[j]);
-            for (slope, limit) in self.falling(j) {
+            for (slope, limit) in self
+                .falling_torque
+                .into_iter()
+                .flat_map(|limits| limits[j].rows())
+            {
                 used = used.max((torque[j] + slope * speed).abs() / limit);
             }
             if let Some(voltage) = self.voltage

@@ -218,8 +218,8 @@ fn a_curve_lies_wherever_the_determinant_changes_sign() {
                 let (Some(one), Some(Some(other))) = (cell, map.cells().get(next)) else { continue };
                 if next % columns == 0 || one.assembly == other.assembly { continue }
                 prop_assert!(one.sin32 * other.sin32 <= 0.0);
-                let way = map.grid().cell_centre(next) - map.grid().cell_centre(index);
-                let between = |step: u32| map.grid().cell_centre(index) + way * (f64::from(step) / 64.0);
+                let displacement = map.grid().cell_centre(next) - map.grid().cell_centre(index);
+                let between = |step: u32| map.grid().cell_centre(index) + displacement * (f64::from(step) / 64.0);
                 if !compared.count((0..64).all(|step| assembly(map.workspace(), between(step)).is_some())) {
                     continue;
                 }
@@ -258,7 +258,7 @@ fn at(tool: &Tool<f64>, pose: &Pose<f64>, [turn1, turn4]: [f64; 2]) -> Vector2<f
 
 /// The distance of a point from a chord.
 fn distance(point: Vector2<f64>, [from, to]: [Vector2<f64>; 2]) -> f64 {
-    let way = to - from;
-    let share = (point - from).dot(&way) / way.length_squared().max(1e-30);
-    (from + way * share.clamp(0.0, 1.0) - point).length()
+    let displacement = to - from;
+    let share = (point - from).dot(&displacement) / displacement.length_squared().max(1e-30);
+    (from + displacement * share.clamp(0.0, 1.0) - point).length()
 }

@@ -139,7 +139,7 @@ macro_rules! fresh_controller {
                 let to = place.as_mut_ptr();
                 // SAFETY: `to` is where a controller may be written, and `new` shows that these are all its fields.
                 unsafe {
-                    $(put(room(&raw mut (*to).$field), || $value);)*
+                    $(put(slot(&raw mut (*to).$field), || $value);)*
                     place.assume_init_mut()
                 }
             }
@@ -160,7 +160,7 @@ macro_rules! fresh_controller {
 /// # Safety
 /// It is a place in RAM which no one else uses.
 #[allow(unsafe_code)]
-unsafe fn room<'a, T>(place: *mut T) -> &'a mut MaybeUninit<T> {
+unsafe fn slot<'a, T>(place: *mut T) -> &'a mut MaybeUninit<T> {
     // SAFETY: asked for above; it may hold anything.
     unsafe { &mut *place.cast() }
 }

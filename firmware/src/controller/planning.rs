@@ -25,7 +25,7 @@ pub struct PlanningSnapshot {
     /// Time of the path that was handed over and is still ahead [s].
     pub path_left: f32,
     /// The segments for which the queue has room.
-    pub path_room: usize,
+    pub path_free: usize,
     /// What was handed over ends at rest, or fills the queue, or lasts some hundredths of a
     /// second longer than a stop takes.
     pub path_is_enough: bool,
@@ -74,7 +74,7 @@ impl<D: Drives> ArmController<D> {
                 measured: self.angles(),
             }),
             path_left: self.path.left(),
-            path_room: self.path.room(),
+            path_free: self.path.free(),
             path_is_enough: self.path.is_enough(),
         }
     }

@@ -1,6 +1,6 @@
 //! Crossings: motions through a singularity of type 2 that the host has planned.
 //!
-//! A crossing begins where the arm is held, with the tool up and nothing queued. Its whole way is
+//! A crossing begins where the arm is held, with the tool up and nothing queued. Its whole path is
 //! checked: reach, joints, elbows, where it meets the singularity, and the torques of the arm's equations.
 //! These grow as f/sin(θ3−θ2) towards the singularity unless the plan satisfies its condition, f = 0.
 
@@ -29,7 +29,7 @@ pub(super) const GAP: f32 = 0.04;
 /// The greatest difference between the torques that both sides of the gap expect in its middle [N·m].
 const MISMATCH: f32 = 0.02;
 
-/// A plan that was checked, with what follows from its way.
+/// A plan that was checked, with what follows from its path.
 pub(super) struct CheckedCrossing {
     /// The times between which |sin(θ3−θ2)| is below that of computed torque alone [s].
     near: [f32; 2],
@@ -115,7 +115,7 @@ impl Planner {
         plan: &CrossingMove,
     ) -> Result<(), MoveError> {
         let refuse = |kind| MoveError::new(next.tag, kind);
-        if snapshot.hold.is_none() || !self.is_empty() || snapshot.path_room < QUEUED_SEGMENTS {
+        if snapshot.hold.is_none() || !self.is_empty() || snapshot.path_free < QUEUED_SEGMENTS {
             return Err(refuse(MoveErrorKind::Full));
         }
         let checked = self.check_crossing(next.tag, start.tool, plan)?;

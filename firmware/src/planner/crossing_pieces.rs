@@ -32,14 +32,14 @@ impl Planner {
         let start = time * piece as f32;
         let [p, v, a] = self.joints_on(plan, start, time)?;
         let [q, w, b] = self.joints_on(plan, start + time, time)?;
-        let way = q - p;
+        let displacement = q - p;
         let joints = [
             p,
             v,
             a * 0.5,
-            way * 10.0 - v * 6.0 - w * 4.0 - a * 1.5 + b * 0.5,
-            way * -15.0 + v * 8.0 + w * 7.0 + a * 1.5 - b,
-            way * 6.0 - (v + w) * 3.0 - (a - b) * 0.5,
+            displacement * 10.0 - v * 6.0 - w * 4.0 - a * 1.5 + b * 0.5,
+            displacement * -15.0 + v * 8.0 + w * 7.0 + a * 1.5 - b,
+            displacement * 6.0 - (v + w) * 3.0 - (a - b) * 0.5,
         ];
         let [[t0, t1], [t2, t3]] = [[0.0, 1.0], [2.0, 3.0]].map(|pair: [f32; 2]| {
             pair.map(|k| self.crossing_torque(plan, gap, start + time * (k / 3.0)))

@@ -70,12 +70,12 @@ impl Waiting {
             return None;
         }
         let from = self.start.tool;
-        let way = Vector2::from(to) - from;
-        let length = way.norm();
+        let displacement = Vector2::from(to) - from;
+        let length = displacement.norm();
         if !(length.is_finite() && length > 0.0) {
             return None;
         }
-        let direction = way * (1.0 / length);
+        let direction = displacement * (1.0 / length);
         let (mut error, mut passed) = (0.0_f32, 0.0_f32);
         for point in self.points.iter().chain([&Vector2::new(x, y)]) {
             let offset = point - from;

@@ -25,7 +25,7 @@ impl Planner {
         for handed in 0..QUEUED_SEGMENTS as u32 {
             self.follow(&snapshot);
             let enough = handed >= SEGMENTS_PER_RUN && snapshot.path_is_enough;
-            if enough || snapshot.path_room == 0 || snapshot.path_left >= self.horizon {
+            if enough || snapshot.path_free == 0 || snapshot.path_left >= self.horizon {
                 break;
             }
             let Some(segment) = self.lookahead.next_segment() else {

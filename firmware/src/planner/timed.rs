@@ -38,7 +38,7 @@ impl Planner {
         let output = self.tool_output.output(next.tool, 1.0);
         // The arm rests until the tool has settled.
         let rests = output != self.tool_output.output(self.level, 1.0) && self.tool_output.waits();
-        if !self.is_empty() || snapshot.path_room < 1 + usize::from(rests) {
+        if !self.is_empty() || snapshot.path_free < 1 + usize::from(rests) {
             return Err(refuse(MoveErrorKind::Full));
         }
         let (segment, end) = self.check_timed(next.tag, timed, output)?;

@@ -45,14 +45,14 @@ pub enum Reply {
         /// The controller after its last tick.
         status: Status,
         /// The number of moves that can be accepted now.
-        room: u8,
+        free: u8,
     },
     /// To [`HostCommand::Snapshot`](super::HostCommand::Snapshot): none where no fault is latched.
     Snapshot(Option<Snapshot>),
     /// To a move: its whole path was checked, and it was accepted.
     Taken {
         /// The number of further moves that can be accepted now.
-        room: u8,
+        free: u8,
     },
     /// To [`HostCommand::GetSection`](super::HostCommand::GetSection).
     Section(Section),

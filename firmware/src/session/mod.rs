@@ -164,7 +164,7 @@ impl Session {
                 status: controller
                     .lock(|controller| controller.status_sample())
                     .solve(&self.in_use, self.in_use.tool()),
-                room: free_slots(planner),
+                free: free_slots(planner),
             }),
             HostCommand::Snapshot => Ok(Reply::Snapshot(
                 controller.lock(|controller| controller.fault()),
@@ -173,7 +173,7 @@ impl Session {
             HostCommand::Move(a_move) => planner
                 .push(controller, &a_move)
                 .map(|()| Reply::Taken {
-                    room: free_slots(planner),
+                    free: free_slots(planner),
                 })
                 .map_err(CommandError::Move),
             HostCommand::GetSection(key) => key

@@ -10,14 +10,14 @@ pub(crate) const CREEP: f32 = 0.125;
 /// Samples in a row after which an index pulse is believed. A pulse lasts one count, and each count
 /// twice as many ticks.
 pub(crate) const INDEX_SAMPLES: u8 = 2;
-/// Share of the way from one index pulse to the next that a pulse must keep from the switch, so that
+/// Share of the angle from one index pulse to the next that a pulse must keep from the switch, so that
 /// the switch tells which of the pulses it is.
 pub const INDEX_MARGIN: f32 = 0.0625;
 
 /// The search for the home switches or the hard stops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HomingSettings {
-    /// Speed of the first approach [rad/s]; the second approach, and the way to an index pulse, have
+    /// Speed of the first approach [rad/s]; the second approach, and the motion to an index pulse, have
     /// an eighth of it.
     pub speed: f32,
     /// Distance to back off from a closed switch or a stop [rad].
@@ -114,12 +114,12 @@ impl AxisSettings {
     /// Whether the angles' range ends before a stop at the home angle, by no more than this.
     fn ends_before_its_stop(&self, back_off: f32) -> bool {
         let [low, high] = self.angle_limits;
-        let room = if self.home_forward {
+        let beyond = if self.home_forward {
             self.home_angle - high
         } else {
             low - self.home_angle
         };
-        (0.0..=back_off).contains(&room)
+        (0.0..=back_off).contains(&beyond)
     }
 }
 

@@ -7,7 +7,7 @@ use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::{Field, HomingMethod, HomingSettings, SettingsError};
 use std::f64::consts::TAU;
 
-/// The way of a joint from one pulse to the next [rad].
+/// The angle of a joint from one pulse to the next [rad].
 const TURN: f64 = TAU / 8.0;
 
 fn with_index() -> Settings {

@@ -99,7 +99,7 @@ fn a_stop_that_is_not_there_ends_in_a_fault_within_the_joints_range() {
     let (_, ticks) = home(&mut rig, [9.0, 0.34]);
     assert_eq!(rig.controller.status().fault, Some(Fault::Envelope));
     assert!(!rig.controller.status().homed);
-    // 2.18 rad and twice the way back at 0.7 rad/s, from a reference that gets there in 0.1 s.
+    // 2.18 rad and twice the angle back at 0.7 rad/s, from a reference that gets there in 0.1 s.
     let gone = rig.bench.theta[0] - f64::from(START[0]);
     assert!(gone < 2.4, "{gone} rad");
     assert!(ticks < 35_000, "{ticks} ticks");

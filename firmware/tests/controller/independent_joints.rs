@@ -20,8 +20,8 @@ fn independent_joints_hold_against_a_push_on_either() {
         assert_eq!(rig.controller.state(), State::Armed);
         for (joint, start) in START.into_iter().enumerate() {
             // The integral brings them back.
-            let way = rig.bench.theta[joint] - f64::from(start);
-            assert!(way.abs() < 2e-4, "{way} rad");
+            let turned = rig.bench.theta[joint] - f64::from(start);
+            assert!(turned.abs() < 2e-4, "{turned} rad");
             assert!(rig.bench.omega[joint].abs() < 0.1, "at rest");
         }
     }

@@ -24,7 +24,7 @@ fn silent(rig: &mut Rig) -> ActuatorCommand {
     rig.tick_alone()
 }
 
-/// Runs to rest; the way [m] of the tool meanwhile and the greatest change of its speed [m/s] in
+/// Runs to rest; the distance [m] of the tool meanwhile and the greatest change of its speed [m/s] in
 /// a tick.
 fn rest(rig: &mut Rig, mut tick: impl FnMut(&mut Rig) -> ActuatorCommand) -> (f64, f64) {
     let [start, _] = rig.bench.tool();
@@ -50,8 +50,8 @@ fn a_silent_host_ends_the_motion_by_a_stop_and_not_at_the_end_of_the_path() {
         silent(&mut rig);
     }
     assert_eq!(rig.controller.status().fault, Some(Fault::CommandTimeout));
-    let (way, jerk) = rest(&mut rig, silent);
-    assert!((0.002..0.012).contains(&way), "{way} m");
+    let (distance, jerk) = rest(&mut rig, silent);
+    assert!((0.002..0.012).contains(&distance), "{distance} m");
     assert!(jerk < 2e-3, "{jerk} m/s in a tick");
     let reference = rig.controller.status().reference.unwrap();
     for (tool, reference) in rig.bench.tool().into_iter().zip(reference) {
@@ -63,8 +63,8 @@ fn a_silent_host_ends_the_motion_by_a_stop_and_not_at_the_end_of_the_path() {
 fn a_requested_stop_slows_down_on_the_path_and_drops_the_rest_of_it() {
     let mut rig = running(&settings());
     rig.controller.request(Request::Stop).unwrap();
-    let (way, jerk) = rest(&mut rig, Rig::tick);
-    assert!((0.002..0.012).contains(&way), "{way} m");
+    let (distance, jerk) = rest(&mut rig, Rig::tick);
+    assert!((0.002..0.012).contains(&distance), "{distance} m");
     assert!(jerk < 2e-3, "{jerk} m/s in a tick");
     assert_eq!(rig.controller.state(), State::Armed);
     assert!(rig.planner.is_empty() || rig.controller.status().tag.is_none());
@@ -74,14 +74,14 @@ fn a_requested_stop_slows_down_on_the_path_and_drops_the_rest_of_it() {
 fn a_stop_that_is_asked_for_again_on_the_way_goes_on_as_it_began() {
     let mut rig = running(&settings());
     let mut ticks = 0;
-    let (way, jerk) = rest(&mut rig, |rig| {
+    let (distance, jerk) = rest(&mut rig, |rig| {
         if ticks % 300 == 0 && rig.controller.state() != State::Armed {
             rig.controller.request(Request::Stop).unwrap();
         }
         ticks += 1;
         rig.tick()
     });
-    assert!((0.002..0.012).contains(&way), "{way} m");
+    assert!((0.002..0.012).contains(&distance), "{distance} m");
     assert!(jerk < 2e-3, "{jerk} m/s in a tick");
 }
 

@@ -16,16 +16,16 @@ fn the_room_that_a_host_is_told_is_the_planner_s() {
     let mut desk = Desk::armed();
     for tag in 0..4 {
         match desk.ask(HostCommand::Status) {
-            Reply::Status { room, .. } => {
-                assert_eq!(usize::from(room), desk.planner.free_slots());
+            Reply::Status { free, .. } => {
+                assert_eq!(usize::from(free), desk.planner.free_slots());
             }
             other => panic!("{other:?}"),
         }
         let kind = MoveKind::Dwell { duration: 0.5 };
         match desk.ask(HostCommand::Move(Move { tag, tool: 0, kind })) {
-            Reply::Taken { room } => {
-                assert!(room > 1);
-                assert_eq!(usize::from(room), desk.planner.free_slots());
+            Reply::Taken { free } => {
+                assert!(free > 1);
+                assert_eq!(usize::from(free), desk.planner.free_slots());
             }
             other => panic!("{other:?}"),
         }

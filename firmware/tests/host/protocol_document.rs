@@ -129,7 +129,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
             "version",
             reply(1, Reply::Refused(CommandError::Version(2))),
         ),
-        ("taken", reply(300, Reply::Taken { room: 15 })),
+        ("taken", reply(300, Reply::Taken { free: 15 })),
         (
             "refused",
             reply(

@@ -63,12 +63,12 @@ fn a_host_of_another_version_gets_ours_and_changes_nothing() {
 #[test]
 fn a_repeated_command_gets_the_same_reply_and_is_executed_once() {
     let mut desk = Desk::armed();
-    let room = desk.planner.free_slots();
+    let free = desk.planner.free_slots();
     let next = desk.last.next();
     let first = desk.send(next, dwell(1));
     let again = desk.send(next, dwell(1));
     assert_eq!(first, again);
-    assert_eq!(desk.planner.free_slots(), room - 1);
+    assert_eq!(desk.planner.free_slots(), free - 1);
 
     // A repeated `Tick` runs one tick only.
     desk.last = next;
@@ -95,7 +95,7 @@ fn a_board_with_sensors_of_its_own_takes_no_tick_from_a_host() {
 #[test]
 fn old_commands_are_dropped_and_early_ones_refused_with_the_next_number() {
     let mut desk = Desk::armed();
-    let room = desk.planner.free_slots();
+    let free = desk.planner.free_slots();
     for behind in 1..20 {
         let late = Sequence(desk.last.0.wrapping_sub(behind));
         assert_eq!(desk.send(late, dwell(1)), None);
@@ -106,7 +106,7 @@ fn old_commands_are_dropped_and_early_ones_refused_with_the_next_number() {
         refused(&reply),
         Some(CommandError::OutOfSequence(desk.last.next()))
     );
-    assert_eq!(desk.planner.free_slots(), room);
+    assert_eq!(desk.planner.free_slots(), free);
 }
 
 #[test]

@@ -189,8 +189,8 @@ fn moves_behind_a_joint_move_are_planned_in_its_working_mode() {
         kind,
     };
     let end = rig.planner.check(rig.tool_position(), &planned(turn));
-    let end = end.expect("a way");
-    rig.push(1, turn).expect("a way");
+    let end = end.expect("a turn");
+    rig.push(1, turn).expect("a turn");
     let in_mode = |elbows_left| {
         let settings = with(|s| s.elbows_left = elbows_left);
         Planner::new(&settings.check().expect("valid settings"))

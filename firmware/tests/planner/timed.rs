@@ -10,11 +10,11 @@ use fivebar_kinematics::control::FrictionCompensation;
 use fivebar_kinematics::trajectory::TimeLaw;
 use nalgebra::Vector2;
 
-/// Pieces of a straight motion of `way` [m] to the right, from rest to rest: the jerk is +j, −j, −j, +j.
-fn pieces(rig: &Rig, way: f32, duration: f32) -> Vec<TimedMove> {
+/// Pieces of a straight motion of `length` [m] to the right, from rest to rest: the jerk is +j, −j, −j, +j.
+fn pieces(rig: &Rig, length: f32, duration: f32) -> Vec<TimedMove> {
     let start = rig.tool_position();
     let t = duration / 4.0;
-    let jerk = way / (2.0 * t * t * t);
+    let jerk = length / (2.0 * t * t * t);
     let (mut s, mut v, mut a) = (0.0, 0.0, 0.0);
     [jerk, -jerk, -jerk, jerk]
         .map(|j| {
@@ -104,8 +104,8 @@ fn a_piece_that_does_not_go_on_where_the_last_one_ends_is_refused() {
 #[test]
 fn a_motion_beyond_a_limit_of_the_joints_is_refused() {
     let rig = &mut Rig::armed(&settings());
-    for (way, duration) in [(0.03, 0.03), (0.12, 0.05)] {
-        let refused = pieces(rig, way, duration)
+    for (length, duration) in [(0.03, 0.03), (0.12, 0.05)] {
+        let refused = pieces(rig, length, duration)
             .into_iter()
             .map(|piece| push(rig, piece))
             .find_map(Result::err);
@@ -322,10 +322,10 @@ fn a_timed_move_without_room_for_the_rest_of_its_tool_leaves_no_trace() {
         rig.planner.push(&mut rig.controller, &rest).unwrap();
     }
     let before = rig.controller.planning_snapshot();
-    assert_eq!(before.path_room, 1);
+    assert_eq!(before.path_free, 1);
     assert_eq!(push(&mut rig, motion[0]), Err(MoveErrorKind::Full));
     let after = rig.controller.planning_snapshot();
-    assert_eq!((after.path_room, rig.planner.is_empty()), (1, true));
+    assert_eq!((after.path_free, rig.planner.is_empty()), (1, true));
     assert_eq!(after.path_left, before.path_left);
     // With its tool as it is, one place is enough.
     let next = up(MoveKind::Timed(motion[0]));

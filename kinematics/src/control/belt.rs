@@ -118,7 +118,7 @@ pub struct BeltLaw<S> {
     encoder_at_joint: bool,
     /// e^(AT), by rows.
     swing: [[S; 2]; 2],
-    /// The part of the way to the demand that the torque makes in a tick.
+    /// The share of the change of the demand that the torque makes in a tick.
     follows: S,
     observer: [S; 5],
     /// Kp, and Kd + δ Kp.

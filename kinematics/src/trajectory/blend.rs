@@ -100,8 +100,11 @@ fn hermite<S: Scalar>(
     // What the Taylor polynomial from the start leaves over at the end: in position,
     // velocity and acceleration. The positions are taken relative to the corner, since
     // in single precision a short blend far from the origin would be mostly rounding.
-    let way = first.part(first.length() - half, first.length()).way(half) + second.way(half);
-    let e = way - v0 - a0 * S::HALF;
+    let displacement = first
+        .part(first.length() - half, first.length())
+        .displacement(half)
+        + second.displacement(half);
+    let e = displacement - v0 - a0 * S::HALF;
     let f = v1 - v0 - a0;
     let g = a1 - a0;
     let c = S::from_f64;
@@ -128,10 +131,13 @@ pub(super) fn time_to_corner<S: Scalar>(
     middle: S,
     straight: &MotionLimits<S>,
 ) -> S {
-    let time = |speed: S, way: S| {
-        let fast = min(greatest_entry_speed(speed, way, straight), straight.speed);
+    let time = |speed: S, length: S| {
+        let fast = min(
+            greatest_entry_speed(speed, length, straight),
+            straight.speed,
+        );
         let slowing = ramp(fast, S::ZERO, speed, straight);
-        let rest = max(way - distance(&slowing), S::ZERO) / fast;
+        let rest = max(length - distance(&slowing), S::ZERO) / fast;
         slowing.iter().fold(rest, |sum, phase| sum + phase.duration)
     };
     match rounded {

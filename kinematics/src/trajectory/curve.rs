@@ -132,7 +132,7 @@ impl<S: Scalar> Curve<S> {
     }
 
     /// From the start to the point at length `s` [m].
-    pub(super) fn way(&self, s: S) -> Vector2<S> {
+    pub(super) fn displacement(&self, s: S) -> Vector2<S> {
         match *self {
             Self::Line { tangent, .. } => tangent * s,
             Self::Arc {

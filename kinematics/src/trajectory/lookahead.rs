@@ -293,13 +293,13 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
             phase.acceleration,
             phase.jerk,
         );
-        let way = phase.distance();
+        let distance = phase.distance();
         // In its last segment a profile runs to its own end, which is the segment's end apart
         // from rounding.
-        let whole = way <= left || profile.segments <= 1;
+        let whole = distance <= left || profile.segments <= 1;
         let duration = if whole {
             profile.skip_phase();
-            self.place += way;
+            self.place += distance;
             phase.duration
         } else {
             let t = time_to_cover(&phase, max(left, S::ZERO));

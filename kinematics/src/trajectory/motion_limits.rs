@@ -117,12 +117,12 @@ impl<S: Scalar> JointDemand<S> {
         for ((((joint, limit), gravity), start), pass) in
             joints.zip(limits.torque).zip(gravity).zip(start).zip(pass)
         {
-            let room = limit * S::from_f64(USABLE) - gravity.abs();
-            if room <= S::ZERO {
+            let usable = limit * S::from_f64(USABLE) - gravity.abs();
+            if usable <= S::ZERO {
                 return Err(ConstraintViolation::Torque(joint));
             }
-            self.starting = max(self.starting, (start - gravity).abs() / room);
-            self.passing = max(self.passing, (pass - gravity).abs() / room);
+            self.starting = max(self.starting, (start - gravity).abs() / usable);
+            self.passing = max(self.passing, (pass - gravity).abs() / usable);
         }
         Ok(())
     }

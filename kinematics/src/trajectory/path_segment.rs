@@ -205,8 +205,8 @@ impl<S: Scalar> PathSegment<S> {
 
     /// From the start to the point at length `s` [m], without the rounding of places far
     /// from the origin.
-    pub(super) fn way(&self, s: S) -> Vector2<S> {
-        self.curve.way(s)
+    pub(super) fn displacement(&self, s: S) -> Vector2<S> {
+        self.curve.displacement(s)
     }
 
     /// The part from `from` to `to` [m] along it.

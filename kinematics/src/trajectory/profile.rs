@@ -156,17 +156,17 @@ impl<S: Scalar> VelocityProfile<S> {
     }
 }
 
-/// The time at which a phase has covered `way` [m], 0 ≤ `way` ≤ its distance.
+/// The time at which a phase has covered `length` [m], 0 ≤ `length` ≤ its distance.
 ///
 /// The speed is never negative, so the distance grows with time: Newton's method, kept in
 /// its bracket by bisection.
-pub(super) fn time_to_cover<S: Scalar>(phase: &Phase<S>, way: S) -> S {
-    if way <= S::ZERO {
+pub(super) fn time_to_cover<S: Scalar>(phase: &Phase<S>, length: S) -> S {
+    if length <= S::ZERO {
         return S::ZERO;
     }
     let (mut low, mut high) = (S::ZERO, phase.duration);
     let mut t = if phase.speed > S::ZERO {
-        min(way / phase.speed, high)
+        min(length / phase.speed, high)
     } else {
         high * S::HALF
     };
@@ -175,7 +175,7 @@ pub(super) fn time_to_cover<S: Scalar>(phase: &Phase<S>, way: S) -> S {
             duration: t,
             ..*phase
         };
-        let excess = reached.distance() - way;
+        let excess = reached.distance() - length;
         if excess > S::ZERO {
             high = t;
         } else {

@@ -219,7 +219,7 @@ mod tests {
             let limits = limits(a, j);
             let v = greatest_entry_speed(w, d, &limits);
             let used = distance(&ramp(v, 0.0, w, &limits));
-            // The answer is rounded to half an ε of v, and the way goes with √(v − w).
+            // The answer is rounded to half an ε of v, and the distance goes with √(v − w).
             let bound = 1e-12 + f64::EPSILON * v / (v - w);
             prop_assert!((used / d - 1.0).abs() < bound, "{used} of {d}");
         }

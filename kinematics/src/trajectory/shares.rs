@@ -54,7 +54,7 @@ impl<S: Scalar> BendLimits<S> {
         min(speed, self.halves.speed)
     }
 
-    /// The time [s] that the way from the middle of a blend to full speed takes longer than at
+    /// The time [s] that the path from the middle of a blend to full speed takes longer than at
     /// full speed.
     fn loss_behind(&self, half: S, straight: &MotionLimits<S>) -> S {
         let out = self.speed_after(half);
@@ -62,7 +62,7 @@ impl<S: Scalar> BendLimits<S> {
         along + loss_of_gain(out, straight.speed, straight)
     }
 
-    /// The time [s] that a start from rest on an arc and the way along it take longer than at full
+    /// The time [s] that a start from rest on an arc and the path along it take longer than at full
     /// speed.
     fn loss_along(&self, length: S, straight: &MotionLimits<S>) -> S {
         let speed = self.halves.speed;
@@ -70,7 +70,7 @@ impl<S: Scalar> BendLimits<S> {
     }
 }
 
-/// The time [s] that a change from one speed to another takes longer than its way at the other.
+/// The time [s] that a change from one speed to another takes longer than its distance at the other.
 pub(super) fn loss_of_gain<S: Scalar>(from: S, to: S, limits: &MotionLimits<S>) -> S {
     if to <= from {
         return S::ZERO;

@@ -25,7 +25,7 @@ const PLACES: u32 = 320;
 const LONGEST: f64 = 64e-3;
 
 impl<S: Scalar> Envelope<S> {
-    /// Checks a segment along a curve with its time law: the whole way is within the workspace, it
+    /// Checks a segment along a curve with its time law: the whole path is within the workspace, it
     /// goes forward, and no joint passes its speed, its acceleration or its torque. The limits of
     /// the tool's motion do not apply. Returns the reference at its end.
     ///
@@ -45,13 +45,13 @@ impl<S: Scalar> Envelope<S> {
             point: position(&segment.evaluate(S::ZERO)),
             violation,
         };
-        let Some(way) = way(segment) else {
+        let Some(path) = path_of(segment) else {
             return Err(fail(ConstraintViolation::Limits));
         };
         if duration > S::from_f64(LONGEST) {
             return Err(fail(ConstraintViolation::Limits));
         }
-        self.verify_path(&way, |_, _| Ok(()))?;
+        self.verify_path(&path, |_, _| Ok(()))?;
         let mut last = segment.path_state(S::ZERO).s;
         let mut time = S::ZERO;
         for _ in 0..PLACES {
@@ -153,8 +153,8 @@ fn step<S: Scalar>(reference: &Reference<S>) -> S {
     }
 }
 
-/// The way that a segment covers; a whole blend, because its parts are no curves of their own.
-fn way<S: Scalar>(segment: &TrajectorySegment<S>) -> Option<PathSegment<S>> {
+/// The path that a segment covers; a whole blend, because its parts are no curves of their own.
+fn path_of<S: Scalar>(segment: &TrajectorySegment<S>) -> Option<PathSegment<S>> {
     let curve = segment.curve()?;
     let [from, to] = [S::ZERO, segment.duration()].map(|t| segment.path_state(t));
     let rises = |PathState { s: to, .. }: PathState<S>, from: S| from <= to;

@@ -238,10 +238,10 @@ impl<S: Scalar> Envelope<S> {
         let annulus23 =
             AnnulusConstraint::new(l2, l3, self.workspace.margin, Singularity::Parallel);
         let (from, to) = (pair(from), pair(to));
-        let way = to - from;
-        let length = max(way.x.abs(), way.y.abs());
+        let displacement = to - from;
+        let length = max(displacement.x.abs(), displacement.y.abs());
         let direction = if length > S::ZERO {
-            way * (S::ONE / length)
+            displacement * (S::ONE / length)
         } else {
             Vector2::zeros()
         };

@@ -36,30 +36,30 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
         let segments = self.queue.run();
         let entry = self.entry_speeds(segments);
         let speed_at = |boundary: usize| entry.get(boundary).copied().unwrap_or(S::ZERO);
-        // For each boundary: the distance up to it and the tightest limits on the way.
+        // For each boundary: the distance up to it and the tightest limits up to it.
         let first = self.queue.first()?;
         let mut ahead = [(S::ZERO, first.limits); N];
-        let (mut way, mut limits) = (-self.place, first.limits);
+        let (mut distance, mut limits) = (-self.place, first.limits);
         for (index, (planned, slot)) in self.queue.iter().take(segments).zip(&mut ahead).enumerate()
         {
-            way += planned.length;
+            distance += planned.length;
             limits = limits.tightest(&planned.limits);
             if index > 0 {
                 limits.speed = min(limits.speed, planned.entry);
             }
-            *slot = (way, limits);
+            *slot = (distance, limits);
         }
         let mut best: Option<(VelocityProfile<S>, S)> = None;
         // The remaining time: from the boundary to the end of the run, each boundary passed at
         // its speed. A profile that arrives at less takes longer by what gaining the rest costs.
         let mut rest = S::ZERO;
         for boundary in (1..=segments).rev() {
-            let &(way, limits) = ahead.get(boundary - 1)?;
+            let &(distance, limits) = ahead.get(boundary - 1)?;
             if let Some(planned) = self.queue.get(boundary).filter(|_| boundary < segments) {
                 rest += passing_time(planned, speed_at(boundary), speed_at(boundary + 1));
             }
             let exit = speed_at(boundary);
-            let fresh = VelocityProfile::over(way, self.motion, exit, &limits, boundary);
+            let fresh = VelocityProfile::over(distance, self.motion, exit, &limits, boundary);
             let kept = kept.filter(|profile| {
                 profile.segments == boundary && profile.exit <= exit * S::from_f64(1.0 + 1e-5)
             });
@@ -86,7 +86,7 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
         let mut entry = [S::ZERO; N];
         for boundary in (1..segments).rev() {
             let mut best = S::ZERO;
-            let mut way = S::ZERO;
+            let mut distance = S::ZERO;
             let Some((mut limits, entry_limit)) = self
                 .queue
                 .get(boundary)
@@ -99,12 +99,12 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
                 if index > boundary {
                     limits.speed = min(limits.speed, planned.entry);
                 }
-                way += planned.length;
+                distance += planned.length;
                 if limits.speed <= best {
                     break;
                 }
                 let exit = entry.get(index + 1).copied().unwrap_or(S::ZERO);
-                let speed = with_reserve(exit, way, &limits);
+                let speed = with_reserve(exit, distance, &limits);
                 best = max(best, min(speed, limits.speed));
             }
             let before = self
@@ -146,17 +146,17 @@ fn passing_time<S: Scalar>(planned: &PlannedSegment<S>, from: S, to: S) -> S {
     }
 }
 
-/// The greatest speed from which `exit` can be reached within `way`, with a reserve for
+/// The greatest speed from which `exit` can be reached within `distance`, with a reserve for
 /// rounding between the planning of a speed and its use: a thousandth of acceleration and
 /// jerk, and the last bits of the speed. Within a micrometre rounding costs no more.
-fn with_reserve<S: Scalar>(exit: S, way: S, limits: &MotionLimits<S>) -> S {
+fn with_reserve<S: Scalar>(exit: S, distance: S, limits: &MotionLimits<S>) -> S {
     let share = S::from_f64(0.999);
     let limits = MotionLimits {
         speed: limits.speed,
         acceleration: limits.acceleration * share,
         jerk: limits.jerk * share,
     };
-    let speed = greatest_entry_speed(exit, way, &limits);
+    let speed = greatest_entry_speed(exit, distance, &limits);
     max(exit, speed - S::from_f64(4.0) * S::EPSILON * speed)
 }
 
@@ -171,12 +171,12 @@ mod tests {
         fn a_speed_in_reserve_can_be_kept_in_single_precision(
             exit in 0.0..0.5_f64, exponent in -7.0..-1.0_f64, a in 0.1..20.0_f64, j in 1.0..500.0_f64,
         ) {
-            let (exit, way) = (exit as f32, 10_f64.powf(exponent) as f32);
+            let (exit, distance) = (exit as f32, 10_f64.powf(exponent) as f32);
             let limits = MotionLimits { speed: 10.0, acceleration: a as f32, jerk: j as f32 };
-            let speed = with_reserve(exit, way, &limits);
+            let speed = with_reserve(exit, distance, &limits);
             let start = Motion { speed, acceleration: 0.0 };
-            let profile = VelocityProfile::over(way, start, exit, &limits, 1);
-            prop_assert!(profile.is_some_and(|profile| profile.exit == exit), "{speed} to {exit} in {way} m");
+            let profile = VelocityProfile::over(distance, start, exit, &limits, 1);
+            prop_assert!(profile.is_some_and(|profile| profile.exit == exit), "{speed} to {exit} in {distance} m");
         }
     }
 }

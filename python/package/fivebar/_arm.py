@@ -235,25 +235,25 @@ class Arm(ArmStudies):
         elbow1: Optional[SideLike] = None,
         elbow4: Optional[SideLike] = None,
     ) -> Floats:
-        """The way of the joints to another working mode, with the tool at its place again.
+        """The path of the joints to another working mode, with the tool at its place again.
 
         theta: θ1, θ4 [rad] before it, in the robot's assembly mode. elbow1, elbow4: the elbows'
         new sides. The answer has θ1, θ4 at each corner, straight from one to the next, shape
-        (n, 2), empty if the arm is in this mode. The way passes a stretched or folded leg. It
+        (n, 2), empty if the arm is in this mode. The path passes a stretched or folded leg. It
         keeps the joint limits and the margin of links 2 and 3, as the controller does; where
         it cannot, ``UnreachableError`` or ``SingularError`` says why.
 
         >>> arm = Arm.load("benchtop")
         >>> before = arm.inverse([-0.04, 0.18])
-        >>> way = arm.mode_change([before.theta1, before.theta4], "left", "left")
-        >>> after = arm.forward(way[-1])
+        >>> path = arm.mode_change([before.theta1, before.theta4], "left", "left")
+        >>> after = arm.forward(path[-1])
         >>> bool(abs(after.c - [-0.04, 0.18]).max() < 1e-6 and after.elbow1 == Side.LEFT)
         True
         """
         start = pairs("theta", theta).reshape(2)
         elbows = [int(np.asarray(side)) for side in self._elbows(elbow1, elbow4).values()]
-        way = _native.mode_change(self._robot, start.tolist(), *elbows)
-        return np.array(way, dtype=float).reshape(-1, 2)
+        path = _native.mode_change(self._robot, start.tolist(), *elbows)
+        return np.array(path, dtype=float).reshape(-1, 2)
 
     def motion(
         self,

@@ -232,10 +232,10 @@ impl<'a, L: Read + Write> Drive<'a, L> {
         mut taken: usize,
         progress: &mut dyn FnMut(usize, &Status),
     ) -> Result<(), DriveError> {
-        let (_, all_room) = self.client.status()?;
+        let (_, all_free) = self.client.status()?;
         let mut idle_since = None;
         loop {
-            let (status, room) = self.client.status()?;
+            let (status, free) = self.client.status()?;
             progress(taken, &status);
             check_fault(&status)?;
             if (self.wants_stop)() {
@@ -250,7 +250,7 @@ impl<'a, L: Read + Write> Drive<'a, L> {
                 offered => offered?,
             };
             // Between two ticks the queue may be empty while its last segment has not begun.
-            let is_idle = status.state == State::Armed && room == all_room;
+            let is_idle = status.state == State::Armed && free == all_free;
             idle_since = idle_since.filter(|_| is_idle && taken == moves.len());
             match idle_since {
                 Some(tick) if status.tick != tick => return Ok(()),

@@ -154,7 +154,7 @@ impl<L: Read + Write> Client<L> {
     /// A silent controller or a failed connection.
     pub fn status(&mut self) -> Result<(Status, u8), LinkError> {
         match self.call(HostCommand::Status)? {
-            Reply::Status { status, room } => Ok((status, room)),
+            Reply::Status { status, free } => Ok((status, free)),
             other => Err(unexpected(&HostCommand::Status, &other)),
         }
     }

@@ -55,7 +55,7 @@ fn angles(space: &Workspace<f64>, point: Vector2<f64>) -> Result<[f64; 2], Works
     Ok(space.limits.unwrap().angles_within(theta1, theta4).unwrap())
 }
 
-/// What became of the changes: done, those of them on a bent way, and refused by reason.
+/// What became of the changes: done, those of them on a bent path, and refused by reason.
 #[derive(Debug, Default)]
 struct Outcome {
     done: [[usize; 4]; 4],
@@ -65,7 +65,7 @@ struct Outcome {
 }
 
 /// All changes from points of a grid, for a margin of the singularities. For every pose that the arm
-/// may have there is a way.
+/// may have there is a path.
 fn changes(margin: f64) -> Outcome {
     let robot = Robot::load("benchtop").unwrap();
     let mut settings = robot.settings().unwrap();

@@ -1,7 +1,7 @@
 //! The depth of the stack in a function: how far below its place at the entry the stack pointer
 //! is at each instruction.
 //!
-//! Each instruction must have one depth, whichever way leads to it. So the stack neither grows in
+//! Each instruction must have one depth, whichever path leads to it. So the stack neither grows in
 //! a loop nor by an amount that is computed.
 
 use crate::Fault;

@@ -2,7 +2,7 @@
 //!
 //! An instruction of an if-then block has two nodes: one where its condition holds and it is
 //! executed, one where it is skipped. All instructions of a block share the condition, so the
-//! block's two ways are apart in the graph, until an instruction in it changes the flags. They
+//! block's two paths are apart in the graph, until an instruction in it changes the flags. They
 //! stay apart over several blocks that follow each other with the same condition or its opposite.
 
 use std::collections::HashMap;
@@ -29,7 +29,7 @@ pub struct Node {
     pub leaves: bool,
 }
 
-/// A way from one instruction to another one.
+/// An edge from one instruction to another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
     /// Index of the node.
@@ -123,7 +123,7 @@ impl Graph {
 }
 
 impl Builder<'_> {
-    /// The node of a place; a new one is decoded, and its ways are followed later.
+    /// The node of a place; a new one is decoded, and its edges are followed later.
     fn node(&mut self, place: Place) -> usize {
         if let Some(index) = self.index.get(&place) {
             return *index;

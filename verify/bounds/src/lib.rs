@@ -72,7 +72,7 @@ pub enum Fault {
     UnknownStack,
     /// The stack pointer rises above its place at the entry.
     StackAboveEntry,
-    /// Two ways to one instruction have different depths of the stack [bytes].
+    /// Two paths to one instruction have different depths of the stack [bytes].
     StackDiffers(u32, u32),
     /// A critical section has no end that can be known.
     SectionEnd,
@@ -117,7 +117,7 @@ impl fmt::Display for Fault {
             Self::StackDiffers(one, other) => {
                 write!(
                     f,
-                    "the stack is {one} or {other} bytes deep, by the way there"
+                    "the stack is {one} or {other} bytes deep, by the path there"
                 )
             }
             Self::SectionEnd => f.write_str("a critical section whose end is not known"),

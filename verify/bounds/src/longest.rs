@@ -2,8 +2,8 @@
 //!
 //! A loop is a set of instructions that can all reach each other. It must have one entry, its
 //! header, which is executed at most as often as the stated bound says. The longest path to an
-//! instruction of a loop of bound n is the longest way to the header, n − 1 times the longest way
-//! round, and the longest way from the header to the instruction. A bound in all is one of the
+//! instruction of a loop of bound n is the longest path to the header, n − 1 times the longest path
+//! round, and the longest path from the header to the instruction. A bound in all is one of the
 //! rounds that all entries into a loop take together: so many rounds are added to every path.
 
 use crate::graph::{Edge, Graph};
@@ -17,11 +17,11 @@ pub enum Bound {
     InAll(u64),
 }
 
-/// What one instruction and one way between two cost.
+/// What one instruction and one edge between two cost.
 pub trait Cost {
     /// Of the instruction of this node, with the functions that it calls.
     fn node(&self, node: usize) -> u64;
-    /// Of this way from one instruction to the next.
+    /// Of this edge from one instruction to the next.
     fn edge(&self, edge: Edge) -> u64;
 }
 
@@ -69,7 +69,7 @@ impl<'a, C: Cost> Longest<'a, C> {
         longest
     }
 
-    /// Fills in the longest paths from `entry` within a set of nodes. In a loop, the ways back to
+    /// Fills in the longest paths from `entry` within a set of nodes. In a loop, the edges back to
     /// its `header` are left out.
     fn region(
         &mut self,
@@ -83,14 +83,14 @@ impl<'a, C: Cost> Longest<'a, C> {
             inside[node] = true;
         }
         let graph = self.graph;
-        let ways = |from: usize| {
+        let edges = |from: usize| {
             let edges = graph.nodes[from].next.iter().copied();
             edges.filter(|edge| inside[edge.to] && Some(edge.to) != header)
         };
-        // What is the longest way to the beginning of each node so far.
+        // What is the longest path to the beginning of each node so far.
         let mut arrival: Vec<Option<u64>> = vec![None; self.graph.nodes.len()];
         arrival[entry] = Some(0);
-        for component in components(nodes, &|from| ways(from).map(|edge| edge.to).collect()) {
+        for component in components(nodes, &|from| edges(from).map(|edge| edge.to).collect()) {
             let entries: Vec<usize> = component
                 .iter()
                 .copied()
@@ -100,7 +100,7 @@ impl<'a, C: Cost> Longest<'a, C> {
                 continue;
             };
             let start = arrival[header].unwrap_or(0);
-            let is_loop = component.len() > 1 || ways(header).any(|edge| edge.to == header);
+            let is_loop = component.len() > 1 || edges(header).any(|edge| edge.to == header);
             if !is_loop {
                 longest[header] = Some(start + self.cost.node(header));
             } else if entries.len() > 1 {
@@ -112,9 +112,9 @@ impl<'a, C: Cost> Longest<'a, C> {
             }
             for &node in &component {
                 let Some(end) = longest[node] else { continue };
-                for edge in ways(node).filter(|edge| !component.contains(&edge.to)) {
-                    let way = Some(end + self.cost.edge(edge));
-                    arrival[edge.to] = arrival[edge.to].max(way);
+                for edge in edges(node).filter(|edge| !component.contains(&edge.to)) {
+                    let path = Some(end + self.cost.edge(edge));
+                    arrival[edge.to] = arrival[edge.to].max(path);
                 }
             }
         }

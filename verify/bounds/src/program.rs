@@ -147,11 +147,11 @@ impl<'a> Program<'a> {
         let mut last = end.and_then(with_last).unwrap_or(0);
         while let Some(node) = end {
             let before = |from: &usize| {
-                let way = graph.nodes[*from]
+                let edge = graph.nodes[*from]
                     .next
                     .iter()
                     .find(|edge| edge.to == node)?;
-                let sum = paths[*from]? + costs.edge(*way) + costs.node(node);
+                let sum = paths[*from]? + costs.edge(*edge) + costs.node(node);
                 (Some(sum) == paths[node]).then_some(*from)
             };
             end = (0..graph.nodes.len()).find_map(|from| before(&from));

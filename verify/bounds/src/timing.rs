@@ -50,7 +50,7 @@ impl Measure {
     /// The cost of an instruction, without those that it calls.
     pub fn node(self, node: &Node) -> u64 {
         let instruction = &node.instruction;
-        // A call and a return are branches, which have no way in the function's own graph.
+        // A call and a return are branches, which have no edge in the function's own graph.
         let branches = u64::from(node.leaves) + 2 * u64::from(!node.calls.is_empty());
         let cycles = u64::from(instruction.cycles) + branches * REFILL;
         match self {
@@ -70,7 +70,7 @@ impl Measure {
         }
     }
 
-    /// The cost of a way between two instructions.
+    /// The cost of an edge between two instructions.
     pub fn edge(self, edge: Edge) -> u64 {
         match self {
             Self::CyclesWithoutWaiting if edge.taken => REFILL,

@@ -6,7 +6,7 @@ use fivebar_kinematics::five_bar::{Geometry, Joint, Pose, Side};
 /// Time in which a hand turns the arm to another place.
 pub const HAND_TIME: Time = SECOND / 5;
 
-/// A way along which a hand moves the arm: from the angles of both joints, by so much, since a time.
+/// A path along which a hand moves the arm: from the angles of both joints, by so much, since a time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hold {
     pub(crate) from: [f64; 2],

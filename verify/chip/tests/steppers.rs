@@ -27,7 +27,7 @@ const JITTER: Time = 100 * MICROSECOND / 1000;
 struct Drivers {
     outputs: Option<Outputs>,
     /// The rising edges of the steps: when, of which joint, forwards.
-    edges: Vec<(Time, usize, bool)>,
+    edges: Vec<(Time, Joint, bool)>,
     position: [i32; 2],
     /// When each step and direction last changed.
     stepped: [Time; 2],
@@ -49,14 +49,14 @@ impl Shared {
 }
 
 impl Drivers {
-    fn at_home(&self, joint: usize) -> bool {
+    fn at_home(&self, joint: Joint) -> bool {
         self.home.is_some_and(|home| {
             let (at, edge) = (self.position[joint], home[joint]);
             if edge < 0 { at <= edge } else { at >= edge }
         })
     }
 
-    fn follow(&mut self, now: Time, joint: usize, before: &Outputs, after: &Outputs) {
+    fn follow(&mut self, now: Time, joint: Joint, before: &Outputs, after: &Outputs) {
         let (old, new) = (before.steps[joint], after.steps[joint]);
         let forwards = after.direction[joint] == Some(true);
         let shorter = |shortest: &mut Time, since: Time| *shortest = (*shortest).min(now - since);
@@ -84,7 +84,7 @@ impl Wiring for Shared {
     fn drive(&mut self, now: Time, outputs: &Outputs) {
         let mut drivers = self.get();
         if let Some(before) = drivers.outputs.replace(*outputs) {
-            for joint in 0..2 {
+            for joint in Joint::ALL {
                 drivers.follow(now, joint, &before, outputs);
             }
         }
@@ -94,8 +94,8 @@ impl Wiring for Shared {
         match pin {
             // The emergency stop on both break inputs; home switches.
             Pin(1, 12) | Pin(0, 6) => Some(self.get().stop),
-            Pin(2, 4) => Some(self.get().at_home(0)),
-            Pin(2, 5) => Some(self.get().at_home(1)),
+            Pin(2, 4) => Some(self.get().at_home(Joint::Joint1)),
+            Pin(2, 5) => Some(self.get().at_home(Joint::Joint4)),
             // Fault outputs and the serial line.
             Pin(1, 0 | 1 | 7) => Some(true),
             _ => None,
@@ -301,7 +301,7 @@ fn every_step_comes_once(bench: &mut Bench, moves: &[(f32, [f32; 2])]) -> [usize
     let mut seen = [false; 21];
     let mut worst = 0;
     let mut found = [0; 2];
-    for (joint, found) in found.iter_mut().enumerate() {
+    for (joint, found) in Joint::ALL.into_iter().zip(&mut found) {
         let edges: Vec<(u64, Time)> = drivers
             .edges
             .iter()
@@ -374,12 +374,12 @@ fn the_arm_homes_to_its_switches_and_goes_where_it_is_told() {
     // 0.01 rad from the start.
     let axes = &bench.settings.axes;
     let edge = [0, 1].map(|joint| {
-        let way = if axes[joint].home_forward {
+        let angle = if axes[joint].home_forward {
             0.01
         } else {
             -0.01
         };
-        bench.start[joint] + way
+        bench.start[joint] + angle
     });
     let edge = bench.steps_to(edge);
     bench.drivers.get().home = Some(edge);

@@ -11,10 +11,10 @@ use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::{Move, MoveKind, Request, TimedCurve, TimedMove};
 use fivebar_sim::drive::Drive;
 
-/// Pieces of a motion of `way` [m] along a curve, from rest to rest: the jerk is +j, −j, −j, +j.
-fn pieces(curve: TimedCurve, way: f32, duration: f32) -> [MoveKind; 4] {
+/// Pieces of a motion of `length` [m] along a curve, from rest to rest: the jerk is +j, −j, −j, +j.
+fn pieces(curve: TimedCurve, length: f32, duration: f32) -> [MoveKind; 4] {
     let t = duration / 4.0;
-    let jerk = way / (2.0 * t * t * t);
+    let jerk = length / (2.0 * t * t * t);
     let (mut s, mut v, mut a) = (0.0, 0.0, 0.0);
     [jerk, -jerk, -jerk, jerk].map(|j| {
         let law = [s, v, a, j];
@@ -53,8 +53,8 @@ fn timed_motions_are_driven_and_pieces_beyond_a_limit_are_refused() {
     };
     let [[_, second, ..], _] = to_and_fro;
     assert_eq!(refused(second), Some(MoveErrorKind::Discontinuous));
-    for (way, duration) in [(0.02, 0.02), (1.0, 1.0), (f32::NAN, 0.1)] {
-        let [first, ..] = pieces(line([x, y], right), way, duration);
+    for (length, duration) in [(0.02, 0.02), (1.0, 1.0), (f32::NAN, 0.1)] {
+        let [first, ..] = pieces(line([x, y], right), length, duration);
         assert!(refused(first).is_some());
     }
     driven.request(Request::Disarm).expect("disarmed");

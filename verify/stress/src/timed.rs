@@ -149,7 +149,7 @@ impl TimedRun {
             let mut pieces = self.exact(start, time).into_iter();
             pieces.all(|timed| planner.check(start, &unnamed(timed)).is_ok())
         };
-        // Of a slow run only the way matters; each step halves the range of the logarithm.
+        // Of a slow run only the path matters; each step halves the range of the logarithm.
         let (mut short, mut long) = (0.005, 1.0_f32);
         if !keeps_limits(long) {
             return self.exact(start, long);

@@ -128,9 +128,12 @@ impl Ink {
         let mut squares: HashMap<_, Vec<[Point; 2]>> = HashMap::new();
         for stroke in &paper.strokes {
             for ends in stroke.windows(2) {
-                let way = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
-                let parts = (way[0].hypot(way[1]) / (0.5 * SQUARE)).ceil().max(1.0);
-                let at = |part: f64| [0, 1].map(|axis| ends[0][axis] + way[axis] * part / parts);
+                let direction = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
+                let parts = (direction[0].hypot(direction[1]) / (0.5 * SQUARE))
+                    .ceil()
+                    .max(1.0);
+                let at =
+                    |part: f64| [0, 1].map(|axis| ends[0][axis] + direction[axis] * part / parts);
                 for part in 0..parts as usize {
                     let piece = [at(part as f64), at(part as f64 + 1.0)];
                     let [x, y] = square(piece[0]);
@@ -158,12 +161,12 @@ fn square(place: Point) -> [i64; 2] {
 
 /// The distance of a point from a line between two points.
 fn distance(place: Point, [from, to]: &[Point; 2]) -> f64 {
-    let way = [to[0] - from[0], to[1] - from[1]];
+    let direction = [to[0] - from[0], to[1] - from[1]];
     let off = [place[0] - from[0], place[1] - from[1]];
-    let square = way[0] * way[0] + way[1] * way[1];
-    let along =
-        ((off[0] * way[0] + off[1] * way[1]) / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (off[0] - along * way[0]).hypot(off[1] - along * way[1])
+    let square = direction[0] * direction[0] + direction[1] * direction[1];
+    let along = ((off[0] * direction[0] + off[1] * direction[1]) / square.max(f64::MIN_POSITIVE))
+        .clamp(0.0, 1.0);
+    (off[0] - along * direction[0]).hypot(off[1] - along * direction[1])
 }
 
 /// A circle as a line through points [m].

@@ -153,8 +153,8 @@ impl Path {
     }
 
     /// The segments for which the queue has room.
-    pub(crate) fn room(&self) -> usize {
-        self.queue.room()
+    pub(crate) fn free(&self) -> usize {
+        self.queue.free()
     }
 
     /// Time of all pushed segments that is still ahead, as of the last tick [s].

@@ -119,7 +119,7 @@ impl PathQueue {
     }
 
     /// The segments for which there is room.
-    pub(super) fn room(&self) -> usize {
+    pub(super) fn free(&self) -> usize {
         QUEUED_SEGMENTS.saturating_sub(self.pushed.count.wrapping_sub(self.passed) as usize)
     }
 

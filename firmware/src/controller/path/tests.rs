@@ -116,9 +116,12 @@ fn a_stop_is_as_smooth_late_in_a_long_segment_as_early() {
             let step = path.step().expect("a path");
             let x: f64 = (f64::from(tick) * 1e-3).min(1.0);
             let (angle, rate) = joint1(&step);
-            let way = speed * 0.1 * (x - x.powi(3) + 0.5 * x.powi(4));
+            let distance = speed * 0.1 * (x - x.powi(3) + 0.5 * x.powi(4));
             // Single precision resolves minutes to 6e-5 s.
-            assert!((angle - before.0 - way).abs() < 1.5e-7, "{angle} at {x}");
+            assert!(
+                (angle - before.0 - distance).abs() < 1.5e-7,
+                "{angle} at {x}"
+            );
             let expected = speed * (1.0 + x * x * (2.0 * x - 3.0));
             assert!((rate - expected).abs() < 1e-3 * speed, "{rate} at {x}");
             if step.at_rest {
@@ -151,7 +154,7 @@ fn the_time_left_is_that_of_the_segments_after_any_number_of_them() {
     let mut path = dwell(0.01);
     let mut segments = [0.000_31_f32, 0.0117, 0.0008, 0.0042].into_iter().cycle();
     for _ in 0..200_000 {
-        while path.left() < 0.05 && path.room() > 0 {
+        while path.left() < 0.05 && path.free() > 0 {
             let segment = dwell(segments.next().expect("endless"))
                 .queue
                 .first()
@@ -274,17 +277,17 @@ fn the_time_left_counts_every_pushed_segment_once() {
 #[test]
 fn a_path_is_full_after_as_many_segments_as_it_has_room_for() {
     let mut path = no_path();
-    for room in (1..=QUEUED_SEGMENTS).rev() {
-        assert_eq!(path.room(), room);
+    for free in (1..=QUEUED_SEGMENTS).rev() {
+        assert_eq!(path.free(), free);
         path.push(&segment(0.0001, true));
     }
-    assert!(path.room() == 0 && path.is_enough());
+    assert!(path.free() == 0 && path.is_enough());
     let left = path.left();
     path.push(&segment(0.0001, true));
-    assert_eq!(path.left(), left, "no room for more");
+    assert_eq!(path.left(), left, "no free for more");
 }
 
-/// A stop advances by T/2, and T is at most twice what is left, less two ticks for the way there.
+/// A stop advances by T/2, and T is at most twice what is left, less two ticks to get there.
 #[test]
 fn a_stop_on_a_path_too_short_for_it_ends_before_the_path_does() {
     for (left, ticks) in [(0.03, 596), (0.003, 56), (0.0007, 10), (0.0003, 2)] {

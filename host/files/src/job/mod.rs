@@ -96,7 +96,7 @@ pub struct Job {
     /// What is skipped, and what was guessed.
     pub warnings: Vec<Warning>,
     /// Whether the job is an SVG, HPGL or DXF. Its steps then count strokes in place of lines: stroke n has the
-    /// number 2n, the way to it 2n − 1.
+    /// number 2n, the motion to it 2n − 1.
     pub is_drawing: bool,
     /// Whether a point depends on where home is, so that the job has another shape elsewhere.
     pub depends_on_home: bool,
@@ -105,7 +105,7 @@ pub struct Job {
 /// One action of the tool, with its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// The line of the file, from 1; 0 for the way to the job's start, which no line asks for.
+    /// The line of the file, from 1; 0 for the motion to the job's start, which no line asks for.
     pub line: u32,
     /// The tool's level during the action, 0…1: 0 is a pen that is up or a tool that is off, 1 a
     /// pen that is down or a tool at full power.
@@ -338,15 +338,15 @@ impl Job {
         let first = self.steps.iter().position(|step| step.line >= line)?;
         let (before, rest) = self.steps.split_at(first);
         let place = before.iter().rev().find_map(|step| step.action.end());
-        let way = place.map(|to| Step {
+        let approach = place.map(|to| Step {
             line: 0,
             tool: 0.0,
             action: Action::Line { to, feed: None },
         });
         let stops = self.stops.iter().filter(|stop| stop.before >= first);
-        let shift = first - usize::from(way.is_some());
+        let shift = first - usize::from(approach.is_some());
         Some(Self {
-            steps: way.into_iter().chain(rest.iter().copied()).collect(),
+            steps: approach.into_iter().chain(rest.iter().copied()).collect(),
             stops: stops
                 .map(|stop| Stop {
                     before: stop.before - shift,

@@ -160,7 +160,7 @@ impl Interpreter {
     }
 
     /// Takes the tool to the job's position before it draws, if no motion has brought it there: a
-    /// job begins at its X0 Y0, also after G28. The way belongs to no line.
+    /// job begins at its X0 Y0, also after G28. That motion belongs to no line.
     pub(super) fn approach(&mut self) -> Result<(), GcodeError> {
         match self.placed {
             Some(_) if !self.is_home => Ok(()),

@@ -22,7 +22,7 @@ impl Actuator {
         f64::from(self.encoder_counts) * self.gear_ratio.abs()
     }
 
-    /// The joint's way from one index pulse to the next [rad].
+    /// The joint's angle from one index pulse to the next [rad].
     fn index_turn(&self) -> f64 {
         TAU * f64::from(self.index_counts()) / self.counts_per_turn()
     }
@@ -77,8 +77,8 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
             return Err(source.refuse(key, reason));
         }
         let turn = actuators[joint].index_turn();
-        let way = robot.towards(joint) * (switch - robot.home[joint]);
-        let share = way / turn;
+        let angle = robot.towards(joint) * (switch - robot.home[joint]);
+        let share = angle / turn;
         let margin = f64::from(INDEX_MARGIN);
         if !(margin..=1.0 - margin).contains(&share) {
             let reason = format!(

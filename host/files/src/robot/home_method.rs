@@ -111,13 +111,13 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
     for joint in Joint::ALL {
         let [low, high] = robot.limits.angle[joint];
         let home = robot.home[joint];
-        let (end, room) = if robot.homes_forward(joint) {
+        let (end, beyond) = if robot.homes_forward(joint) {
             (high, high - home)
         } else {
             (low, home - low)
         };
         let back_off = robot.homing.back_off;
-        if room > back_off {
+        if beyond > back_off {
             let reason = format!(
                 "of {joint} must end before its hard stop, which lies {back_off:?} rad, the \
                  back_off, behind home: not at {end:?} rad"

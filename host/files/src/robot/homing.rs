@@ -24,7 +24,7 @@ pub struct HomeSearch {
     /// Speed of the first approach [rad/s], the second has an eighth of it; none: 0.02 of the slower
     /// joint's greatest speed.
     pub speed: Option<f64>,
-    /// Way by which a joint backs off from its closed switch [rad].
+    /// Angle by which a joint backs off from its closed switch [rad].
     pub back_off: f64,
     /// Angles at which the switches close where the angles come from index pulses [rad]; none: half a
     /// turn of the encoder behind `home`.

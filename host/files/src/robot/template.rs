@@ -78,8 +78,8 @@ fn with_value(line: &str, name: &str, value: &str) -> String {
     match line.rsplit_once(" # ") {
         None => filled,
         Some((before, comment)) => {
-            let room = before.chars().count().saturating_sub(1);
-            format!("{filled:<room$}  # {comment}")
+            let width = before.chars().count().saturating_sub(1);
+            format!("{filled:<width$}  # {comment}")
         }
     }
 }

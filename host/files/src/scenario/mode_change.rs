@@ -1,4 +1,4 @@
-//! Changes of the working mode: the way of the joints from one pose of a tool's point to another,
+//! Changes of the working mode: the path of the joints from one pose of a tool's point to another,
 //! through a stretched or folded leg.
 
 use super::Scenario;
@@ -47,9 +47,9 @@ pub enum ModeChangeError {
         /// The tool's point [m].
         point: [f64; 2],
     },
-    /// Joint limits or margin leave no way.
+    /// Joint limits or margin leave no path.
     #[error(
-        "no way of the joints was found to {} within their limits, their torque and the margin of links 2 \
+        "no path of the joints was found to {} within their limits, their torque and the margin of links 2 \
          and 3: move the tool first",
         named(*.mode)
     )]
@@ -57,7 +57,7 @@ pub enum ModeChangeError {
         /// The mode that is asked for.
         mode: WorkingMode,
     },
-    /// The controller refuses the way.
+    /// The controller refuses the path.
     #[error("on the way to {}: {reason}", named(*.mode))]
     Refused {
         /// The mode that is asked for.
@@ -96,9 +96,9 @@ fn named(mode: WorkingMode) -> String {
     format!("elbow 1 {elbow1} and elbow 4 {elbow4}")
 }
 
-/// θ1, θ4 [rad] at the corners of the way from the joint angles `from` to the pose in working mode
+/// θ1, θ4 [rad] at the corners of the path from the joint angles `from` to the pose in working mode
 /// `mode` with the tool where it is. Empty if the arm is in this mode. The planner's checks hold on
-/// the whole way.
+/// the whole path.
 ///
 /// # Errors
 /// Why not.
@@ -181,7 +181,7 @@ fn turns(angle: f32, [low, high]: [f32; 2], near: f32) -> Vec<f32> {
     within
 }
 
-/// Whether the arm may be at these angles on the way: in its assembly mode, away from the
+/// Whether the arm may be at these angles on the path: in its assembly mode, away from the
 /// singularity of type 2.
 fn is_free(planner: &Planner, [theta1, theta4]: [f32; 2]) -> bool {
     let space = planner.workspace();
@@ -238,7 +238,7 @@ impl Scenario {
         for step in &job.steps {
             let line = step.line;
             let refused = |error| RefusedModeChange { line, error };
-            // A change follows the way to its place.
+            // A change follows the path to its place.
             let place = at.unwrap_or_default();
             match step.action {
                 Action::ChangeMode(wanted) => {

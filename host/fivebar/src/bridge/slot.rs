@@ -213,7 +213,7 @@ impl<'a> SenderSlot<'a> {
             && let Some(next) = self.path.queue.next()
         {
             match session.client.call(HostCommand::Move(next))? {
-                Reply::Taken { room } => self.path.accept(room),
+                Reply::Taken { free } => self.path.accept(free),
                 Reply::Refused(CommandError::Move(error)) if error.kind == MoveErrorKind::Full => {
                     return Ok(());
                 }

@@ -67,7 +67,7 @@ impl SenderSlot<'_> {
             speed: self.speed.speed,
             level: f64::from(session.status.tool_level),
             shares: self.path.queue.shares(),
-            room: self.path.free,
+            free: self.path.free,
             waiting: self.sender.as_ref().map_or(0, |sender| sender.waiting),
         }
     }

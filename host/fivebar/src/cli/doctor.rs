@@ -59,8 +59,8 @@ fn text(check: &Check) -> String {
     };
     match &check.state {
         State::Found(found) => format!("found    {what:<22} {purpose}{tasks}\n         {found}"),
-        State::Missing(way) => {
-            format!("missing  {what:<22} {purpose}{tasks}\n         to get it: {way}")
+        State::Missing(remedy) => {
+            format!("missing  {what:<22} {purpose}{tasks}\n         to get it: {remedy}")
         }
         State::Outdated(why) => format!("outdated {what:<22} {purpose}{tasks}\n         {why}"),
     }

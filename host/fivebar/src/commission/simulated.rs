@@ -111,7 +111,7 @@ impl Held {
             .find(|motions| motions.iter().all(|motion| self.is_free(motion)));
         let motions = motions.ok_or_else(|| {
             StepError::Other(format!(
-                "no way for the arm leads to the hole at ({:.0}, {:.0}) mm: set limits.angle of the robot \
+                "no path of the arm leads to the hole at ({:.0}, {:.0}) mm: set limits.angle of the robot \
                  file to what the cranks can do, then commission it into another folder (--out)",
                 1e3 * place[0],
                 1e3 * place[1]

@@ -50,13 +50,13 @@ mod tests {
             of(&ports, "/dev/ttyACM0"),
             State::Found("/dev/ttyACM0".into())
         );
-        let State::Missing(way) = of(&ports, "") else {
+        let State::Missing(remedy) = of(&ports, "") else {
             panic!("both refuse");
         };
-        assert!(way.contains("/dev/ttyUSB0, /dev/ttyACM0") && way.contains("dialout"));
-        let State::Missing(way) = of(&[], "") else {
+        assert!(remedy.contains("/dev/ttyUSB0, /dev/ttyACM0") && remedy.contains("dialout"));
+        let State::Missing(remedy) = of(&[], "") else {
             panic!("there is none");
         };
-        assert!(way.contains("plug the board in"));
+        assert!(remedy.contains("plug the board in"));
     }
 }

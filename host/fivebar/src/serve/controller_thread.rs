@@ -241,12 +241,12 @@ impl ControllerThread {
         if !self.may_feed()? {
             return Ok(());
         }
-        let (status, mut room) = self.session.client.status()?;
+        let (status, mut free) = self.session.client.status()?;
         self.note_position(&status);
-        let job = self.feeder.update(&status, room);
+        let job = self.feeder.update(&status, free);
         self.report_job(job);
         while self.may_feed()? {
-            let Some(next) = self.feeder.next(room) else {
+            let Some(next) = self.feeder.next(free) else {
                 break;
             };
             match self.session.client.call(HostCommand::Move(next))? {
@@ -259,9 +259,9 @@ impl ControllerThread {
                     self.feeder.refused();
                     self.refuse(None, sentence(&refusal));
                 }
-                Reply::Taken { room: left } => {
+                Reply::Taken { free: left } => {
                     self.feeder.taken(&next);
-                    room = left;
+                    free = left;
                 }
                 other => {
                     self.feeder.refused();

@@ -122,20 +122,22 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
     fn fill(&mut self, cx: &mut Context<'_>) -> Poll<io::Result<usize>> {
         self.input.copy_within(self.unread.clone(), 0);
         self.unread = 0..self.unread.len();
-        let mut room = ReadBuf::new(&mut self.input[self.unread.end..]);
+        let mut unfilled = ReadBuf::new(&mut self.input[self.unread.end..]);
         if !self.early.is_empty() {
-            let early = self.early.split_to(self.early.len().min(room.remaining()));
-            room.put_slice(&early);
+            let early = self
+                .early
+                .split_to(self.early.len().min(unfilled.remaining()));
+            unfilled.put_slice(&early);
             self.unread.end += early.len();
             return Poll::Ready(Ok(early.len()));
         }
         let asked = Instant::now();
-        let read = Pin::new(&mut self.stream).poll_read(cx, &mut room)?;
+        let read = Pin::new(&mut self.stream).poll_read(cx, &mut unfilled)?;
         if read.is_pending() {
             self.backlog.look(asked);
             return Poll::Pending;
         }
-        let (count, left) = (room.filled().len(), room.remaining());
+        let (count, left) = (unfilled.filled().len(), unfilled.remaining());
         self.unread.end += count;
         if count > 0 {
             self.page.set_received(self.backlog.emptied());

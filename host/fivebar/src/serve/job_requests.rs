@@ -102,17 +102,17 @@ impl ControllerThread {
         if let Some(why) = start.behind(&job.job, line).differs(start) {
             return Err(format!("Line {line} is drawn {why}"));
         }
-        let way = match place.filter(|_| line > 0) {
+        let approach = match place.filter(|_| line > 0) {
             Some(place) if self.jobs.is_time_optimal => {
                 self.order_rest(page, job, index, place);
                 return Ok(());
             }
-            Some(place) => self.way_to(place)?,
+            Some(place) => self.approach_to(place)?,
             None => None,
         };
-        // From its first line on, the job has its own way to its start.
+        // From its first line on, the job has its own approach.
         let index = if line > 0 { index } else { 0 };
-        self.feeder.run(job, index, way);
+        self.feeder.run(job, index, approach);
         self.notice("The job has started.");
         Ok(())
     }
@@ -133,8 +133,8 @@ impl ControllerThread {
             self.order_rest(page.id, job, part, place);
             return Ok(());
         }
-        let way = self.way_to(place)?;
-        self.feeder.resume(way);
+        let approach = self.approach_to(place)?;
+        self.feeder.resume(approach);
         self.notice("The job goes on.");
         Ok(())
     }
@@ -158,15 +158,15 @@ impl ControllerThread {
         if self.preview.start(&self.session.status) != start {
             return Err("The arm has moved while its job was planned: ask again.".into());
         }
-        let way = self.way_to(place)?;
-        self.feeder.run(job, 0, way);
+        let approach = self.approach_to(place)?;
+        self.feeder.run(job, 0, approach);
         self.notice("The job goes on.");
         Ok(())
     }
 
-    /// The way to a place of the job [m] with the tool up: straight, or by the joints if a straight
+    /// The motion to a place of the job [m] with the tool up: straight, or by the joints if a straight
     /// line would leave the workspace.
-    fn way_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
+    fn approach_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
         let start = self.preview.start(&self.session.status);
         let (Some(from), Some(branch)) = (self.session.status.reference, start.branch) else {
             return Err("The arm is not armed: home it, then arm it.".into());
@@ -182,11 +182,13 @@ impl ControllerThread {
             MoveKind::Joint { to, speed }
         });
         let (tag, tool) = (0, 0);
-        let ways = [Some(line), by_joints].into_iter().flatten();
-        let mut ways = ways.filter(|&kind| planner.check(from, &Move { tag, tool, kind }).is_ok());
-        let way = ways.next();
-        way.map(Some)
-            .ok_or_else(|| "No way leads to the job's place: move the tool nearer to it.".into())
+        let candidates = [Some(line), by_joints].into_iter().flatten();
+        let mut candidates =
+            candidates.filter(|&kind| planner.check(from, &Move { tag, tool, kind }).is_ok());
+        candidates
+            .next()
+            .map(Some)
+            .ok_or_else(|| "No motion leads to the job's place: move the tool nearer to it.".into())
     }
 
     /// Takes a job that was read and checked, and starts it if its page has asked for that.

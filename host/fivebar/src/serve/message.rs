@@ -173,7 +173,7 @@ pub(super) struct StateMessage<'a> {
     /// The arm's working mode; none until the arm is homed.
     pub(super) elbows: Option<[Side; 2]>,
     /// The working modes to which the arm can change from where it rests; none while it moves and
-    /// until the ways are planned.
+    /// until the paths are planned.
     pub(super) modes: Option<Vec<[Side; 2]>>,
     /// Where the tool was since the state before [m], and its level there.
     pub(super) trail: &'a [[f32; 3]],

@@ -1,4 +1,4 @@
-//! The thread that plans the ways to the other working modes from where the arm rests, so that the
+//! The thread that plans the paths to the other working modes from where the arm rests, so that the
 //! controller's thread waits for no search.
 
 use super::preview::{Branch, JobStart, Preview};
@@ -18,21 +18,21 @@ const MODES: [[Side; 2]; 4] = [
 /// Where the arm rests: θ1, θ4 [rad] and its branch.
 pub(super) type RestPose = ([f32; 2], Branch);
 
-/// The corners of the way to a working mode, θ1 and θ4 [rad]; or why there is none.
-type Way = Result<Vec<[f32; 2]>, String>;
+/// The corners of the path to a working mode, θ1 and θ4 [rad]; or why there is none.
+type ModePath = Result<Vec<[f32; 2]>, String>;
 
-/// The ways from one pose.
-struct Ways {
+/// The paths from one pose.
+struct ModePaths {
     from: RestPose,
-    to: [Way; 4],
+    to: [ModePath; 4],
 }
 
 /// The thread, seen from the controller's.
 pub(super) struct ModeThread {
     orders: mpsc::Sender<RestPose>,
-    results: mpsc::Receiver<Ways>,
+    results: mpsc::Receiver<ModePaths>,
     asked: Option<RestPose>,
-    ways: Option<Ways>,
+    paths: Option<ModePaths>,
 }
 
 impl ModeThread {
@@ -43,8 +43,8 @@ impl ModeThread {
             while let Ok(first) = poses.recv() {
                 // Only the latest pose matters.
                 let from = poses.try_iter().last().unwrap_or(first);
-                let to = MODES.map(|mode| way(&preview, from, mode));
-                if sender.send(Ways { from, to }).is_err() {
+                let to = MODES.map(|mode| path(&preview, from, mode));
+                if sender.send(ModePaths { from, to }).is_err() {
                     return;
                 }
             }
@@ -53,25 +53,25 @@ impl ModeThread {
             orders,
             results,
             asked: None,
-            ways: None,
+            paths: None,
         }
     }
 
-    /// Has the ways from the pose at which the arm rests planned; none while it moves.
+    /// Has the paths from the pose at which the arm rests planned; none while it moves.
     pub(super) fn look(&mut self, pose: Option<RestPose>) {
         if let (Some(pose), true) = (pose, pose != self.asked) {
             // It fails only when the program ends.
             let _ = self.orders.send(pose);
         }
         self.asked = pose;
-        self.ways = self.results.try_iter().last().or(self.ways.take());
+        self.paths = self.results.try_iter().last().or(self.paths.take());
     }
 
-    /// The ways from the present pose; none until they are planned, and while the arm moves.
-    fn present(&self) -> Option<&Ways> {
-        self.ways
+    /// The paths from the present pose; none until they are planned, and while the arm moves.
+    fn present(&self) -> Option<&ModePaths> {
+        self.paths
             .as_ref()
-            .filter(|ways| Some(ways.from) == self.asked)
+            .filter(|paths| Some(paths.from) == self.asked)
     }
 
     /// The working modes that can be reached, as [`Self::present`].
@@ -79,20 +79,20 @@ impl ModeThread {
         let modes = MODES.iter().zip(&self.present()?.to);
         Some(
             modes
-                .filter(|(_, way)| way.is_ok())
+                .filter(|(_, path)| path.is_ok())
                 .map(|(mode, _)| *mode)
                 .collect(),
         )
     }
 
-    /// The way to a working mode, as [`Self::present`].
-    pub(super) fn way(&self, mode: [Side; 2]) -> Option<Way> {
+    /// The path to a working mode, as [`Self::present`].
+    pub(super) fn path(&self, mode: [Side; 2]) -> Option<ModePath> {
         let index = MODES.iter().position(|other| *other == mode)?;
         Some(self.present()?.to[index].clone())
     }
 }
 
-fn way(preview: &Preview, (from, branch): RestPose, [elbow1, elbow4]: [Side; 2]) -> Way {
+fn path(preview: &Preview, (from, branch): RestPose, [elbow1, elbow4]: [Side; 2]) -> ModePath {
     let start = JobStart::on(branch);
     let planner = preview.planner(start).map_err(|error| error.to_string())?;
     change_of_mode(&planner, from, WorkingMode::new(elbow1, elbow4)).map_err(|error| {

@@ -116,7 +116,7 @@ impl RunningJob {
         }
     }
 
-    /// The number of moves before the present one; a way back to the job has tag 0, and is before all of them.
+    /// The number of moves before the present one; an approach to the job has tag 0, and is before all of them.
     fn number(&self, present: Option<u32>) -> usize {
         present.map_or(self.sent, |tag| tag.saturating_sub(1) as usize)
     }
@@ -207,11 +207,11 @@ impl MoveFeeder {
         self.path.shares().feed
     }
 
-    /// Starts a job at the move with this index. `way` leads to its start with the tool up.
-    pub(super) fn run(&mut self, job: Arc<ParsedJob>, index: usize, way: Option<MoveKind>) {
+    /// Starts a job at the move with this index. `approach` leads to its start with the tool up.
+    pub(super) fn run(&mut self, job: Arc<ParsedJob>, index: usize, approach: Option<MoveKind>) {
         self.target.clear();
         self.path.clear();
-        if let Some(kind) = way {
+        if let Some(kind) = approach {
             let tag = index as u32 + 1;
             self.path.push(&[Move { tag, tool: 0, kind }]);
         }
@@ -219,8 +219,8 @@ impl MoveFeeder {
         self.fill();
     }
 
-    /// Goes on with the job that was stopped. `way` leads to its place with the tool up.
-    pub(super) fn resume(&mut self, way: Option<MoveKind>) {
+    /// Goes on with the job that was stopped. `approach` leads to its place with the tool up.
+    pub(super) fn resume(&mut self, approach: Option<MoveKind>) {
         self.target.clear();
         if let Some(run) = &mut self.job
             && let Some(place) = run.place
@@ -228,9 +228,9 @@ impl MoveFeeder {
             run.phase = JobPhase::Fed;
             run.begun = None;
             run.pause = None;
-            // At a pause nothing waits; the way takes the number of the move that it leads to.
+            // At a pause nothing waits; the approach takes the number of the move that it leads to.
             self.fill();
-            self.path.resume_from(place, way);
+            self.path.resume_from(place, approach);
         }
     }
 
@@ -332,7 +332,7 @@ impl MoveFeeder {
             self.path.progress(tag);
         }
         if status.state == State::Crossing {
-            // After a fault on the way it begins once more.
+            // After a fault on its approach it begins once more.
             run.place = self.path.crossing().map(|plan| plan.from).or(run.place);
         } else {
             run.place = status.reference.or(run.place);
@@ -349,8 +349,8 @@ impl MoveFeeder {
     }
 
     /// Updates the job from the controller's status and its room for further moves.
-    pub(super) fn update(&mut self, status: &Status, room: u8) -> JobStatus {
-        self.empty = self.empty.max(room);
+    pub(super) fn update(&mut self, status: &Status, free: u8) -> JobStatus {
+        self.empty = self.empty.max(free);
         if self.follow(status) == JobStatus::Held {
             return JobStatus::Held;
         }
@@ -358,7 +358,7 @@ impl MoveFeeder {
             self.drop_target();
             return JobStatus::Unchanged;
         }
-        if self.is_idle(status, room) {
+        if self.is_idle(status, free) {
             self.end = None;
             if self.is_running() {
                 self.path.finish();
@@ -387,8 +387,8 @@ impl MoveFeeder {
 
     /// Whether all moves are done. Between two ticks a queue may be empty although its
     /// last segment has not begun, so the moves are done if this holds in two different ticks.
-    fn is_idle(&mut self, status: &Status, room: u8) -> bool {
-        if status.state != State::Armed || room != self.empty {
+    fn is_idle(&mut self, status: &Status, free: u8) -> bool {
+        if status.state != State::Armed || free != self.empty {
             self.idle_since = None;
             return false;
         }
@@ -396,14 +396,14 @@ impl MoveFeeder {
     }
 
     /// The move to send now, if there is one.
-    pub(super) fn next(&self, room: u8) -> Option<Move> {
+    pub(super) fn next(&self, free: u8) -> Option<Move> {
         if self.is_running() {
-            return self.path.next().filter(|_| room > 0);
+            return self.path.next().filter(|_| free > 0);
         }
         // A target waits until the queue is nearly empty, so that the latest one is sent.
         self.target
             .front()
-            .filter(|_| room + 1 >= self.empty)
+            .filter(|_| free + 1 >= self.empty)
             .copied()
     }
 

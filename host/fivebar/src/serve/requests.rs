@@ -261,12 +261,12 @@ impl ControllerThread {
         Ok(())
     }
 
-    /// Remembers the working mode that a page wants until the arm rests and its way is planned.
+    /// Remembers the working mode that a page wants until the arm rests and its path is planned.
     fn change_mode(&mut self, page: PageId, elbows: [Side; 2]) {
         self.mode_wanted = Some((page, elbows));
     }
 
-    /// Has the ways to other working modes planned where the arm rests, and goes the one that a page
+    /// Has the paths to other working modes planned where the arm rests, and goes the one that a page
     /// wants.
     pub(super) fn change_mode_if_wanted(&mut self) {
         let status = &self.session.status;
@@ -286,7 +286,7 @@ impl ControllerThread {
             self.mode_wanted = None;
             return;
         }
-        match self.modes.way(elbows) {
+        match self.modes.path(elbows) {
             None => return,
             Some(Ok(corners)) => {
                 let speed = JOINT_SPEED;

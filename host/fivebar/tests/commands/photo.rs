@@ -241,7 +241,7 @@ fn with_measured_marks_the_map_agrees_with_the_arm() {
         .flat_map(|stroke| stroke.windows(2))
         .map(|ends| [0, 1].map(|end| to + turn * (Vector2::from(ends[end]) - from)))
         .collect();
-    // Where the ink crosses the way across a stroke.
+    // Where the ink crosses the line across a stroke.
     let real = |values: &[f64; 5]| {
         let across = Vector2::new(values[2], values[3]);
         let along = Vector2::new(across.y, -across.x);

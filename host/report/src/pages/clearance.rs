@@ -33,7 +33,7 @@ pub fn clearance(study: &ClearanceStudy, conditions: &[(String, String)]) -> Pag
     );
     page.paragraph(
         "Added by clearance: the distance between the error vectors of this arm and of the new \
-         arm at the same time, on the job's path without the way from home.",
+         arm at the same time, on the job's path without the motion from home.",
     );
     add_prediction(&mut page, study);
     add_joints(&mut page, study);

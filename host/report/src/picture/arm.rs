@@ -98,9 +98,9 @@ impl ArmDrawing {
             } else {
                 continue;
             };
-            let way = other - joint;
-            if way.norm() > 0.0 {
-                along = way * (1.0 / way.norm());
+            let displacement = other - joint;
+            if displacement.norm() > 0.0 {
+                along = displacement * (1.0 / displacement.norm());
                 sum += along;
             }
         }
@@ -114,8 +114,8 @@ impl ArmDrawing {
 
 /// The distance of a point from a line segment, in the picture's units.
 pub(super) fn distance([x, y]: [f64; 2], [[x0, y0], [x1, y1]]: [[f64; 2]; 2]) -> f64 {
-    let (from, way) = (Vector2::new(x0, y0), Vector2::new(x1 - x0, y1 - y0));
+    let (from, displacement) = (Vector2::new(x0, y0), Vector2::new(x1 - x0, y1 - y0));
     let point = Vector2::new(x, y) - from;
-    let share = point.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE);
-    (point - way * share.clamp(0.0, 1.0)).norm()
+    let share = point.dot(&displacement) / displacement.norm_squared().max(f64::MIN_POSITIVE);
+    (point - displacement * share.clamp(0.0, 1.0)).norm()
 }

@@ -143,14 +143,14 @@ fn a_blend_loses_the_time_of_its_half_and_of_the_way_to_full_speed_behind_it() {
         halves: limits(2.5, 4.0, 1e9),
     };
     assert!((rising.speed_after(0.375) - 2.0).abs() < 1e-6);
-    // The change from 2 m/s to 3 m/s takes 0.25 s for a way of 0.625 m.
+    // The change from 2 m/s to 3 m/s takes 0.25 s for a distance of 0.625 m.
     let loss = 0.25 - 0.375 / 3.0 + 0.25 - 0.625 / 3.0;
     assert!((rising.loss_behind(0.375, &straight) - loss).abs() < 1e-6);
     let even = BendLimits::even(limits(2.0, 1.0, 1e9));
     assert_eq!(even.speed_after(0.375), 2.0);
     let loss = 0.375 / 2.0 - 0.375 / 3.0 + 0.25 - 0.625 / 3.0;
     assert!((even.loss_behind(0.375, &straight) - loss).abs() < 1e-6);
-    // An arc of 3 m at 2 m/s, after 2 s of 1 m/s² for a way of 2 m.
+    // An arc of 3 m at 2 m/s, after 2 s of 1 m/s² for a distance of 2 m.
     let loss = 3.0 / 2.0 - 3.0 / 3.0 + 2.0 - 2.0 / 2.0;
     assert!((even.loss_along(3.0, &straight) - loss).abs() < 1e-6);
 }

@@ -130,8 +130,8 @@ pub fn explore() -> Result<Exploration, Counterexample> {
             .into_par_iter()
             .map(|index| (search.check(index), search.expand(index, &alphabet)))
             .collect();
-        for (index, (way, tried)) in (next..).zip(expanded) {
-            search.note(index, way, tried)?;
+        for (index, (outcome, tried)) in (next..).zip(expanded) {
+            search.note(index, outcome, tried)?;
         }
         next = end;
     }
@@ -159,10 +159,10 @@ impl Search {
     fn note(
         &mut self,
         index: usize,
-        way: Result<WayOut, Violation>,
+        outcome: Result<WayOut, Violation>,
         tried: Vec<Tried>,
     ) -> Result<(), Counterexample> {
-        match way {
+        match outcome {
             Ok(WayOut::Motion) => self.found.ways_out[0] += 1,
             Ok(_) => self.found.ways_out[1] += 1,
             Err(violation) => return Err(self.counterexample(index, None, violation)),
@@ -245,7 +245,7 @@ impl Search {
                 "a sound arm raises no fault on its way out",
                 format_args!("{fault:?}"),
             )),
-            way => Ok(way),
+            named => Ok(named),
         }
     }
 

@@ -17,8 +17,8 @@ impl Session<'_> {
         }
         // The counts of another arm are a jump.
         self.wait(2, true)?;
-        let way = way_out(self)?;
-        self.report.ways_out[usize::from(way != WayOut::Motion)] += 1;
+        let out = way_out(self)?;
+        self.report.ways_out[usize::from(out != WayOut::Motion)] += 1;
         Ok(())
     }
 }

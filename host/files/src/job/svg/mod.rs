@@ -2,7 +2,7 @@
 //!
 //! The crate `usvg` resolves styles, units, transforms, references and texts, so that only lines
 //! and Bézier curves are left. Their points become metres with y up and (0, 0) in the lower left
-//! corner of the page. Curves are flattened, and the strokes are sorted for short ways between
+//! corner of the page. Curves are flattened, and the strokes are sorted for short travel between
 //! them. The tool is down along strokes; fills and widths of lines are not drawn.
 
 mod flatten;

@@ -48,7 +48,7 @@ const SILENCE: [f64; 2] = [2e-3, 60.0];
 /// Longest search over the joint's range [s].
 const LONGEST_SEARCH: f64 = 600.0;
 
-/// Way by which a joint leaves its switch [rad]: beyond the switch's own hysteresis.
+/// Angle by which a joint leaves its switch [rad]: beyond the switch's own hysteresis.
 const BACK_OFF: [f64; 2] = [5e-4, 1.0];
 
 pub(super) fn rules(robot: &Robot) -> Vec<Plausible> {

@@ -149,9 +149,9 @@ fn greatest_on_map(reach: &Reach, outline: &Outline, turn: f64, least: f64) -> O
     let turned = outline.placed(turn, 1.0);
     let [width, height] = turned.extent().size();
     let (grid, page) = (reach.map.grid(), reach.page_size());
-    let room = grid.high() - grid.low();
+    let size = grid.high() - grid.low();
     let on_page = (page[0] / width).min(page[1] / height);
-    let most = (room.x / width).min(room.y / height);
+    let most = (size.x / width).min(size.y / height);
     if !most.is_finite() {
         return None;
     }

@@ -81,8 +81,8 @@ impl Reach {
     fn corners(&self, outline: &Outline) -> Vec<[f64; 2]> {
         let grid = self.map.grid();
         let [width, height] = outline.extent().size();
-        let room = grid.high() - grid.low();
-        if width > room.x || height > room.y {
+        let size = grid.high() - grid.low();
+        if width > size.x || height > size.y {
             return Vec::new();
         }
         let shape = outline.cells(grid.pitch());
@@ -301,7 +301,7 @@ impl Scenario {
         Ok(moves)
     }
 
-    /// The job as moves for an arm at home. The way to the job is straight, or by the joints if a
+    /// The job as moves for an arm at home. The motion to the job is straight, or by the joints if a
     /// straight line would leave the workspace.
     ///
     /// # Errors

@@ -183,7 +183,7 @@ fn sample(from: [f64; 2], action: &Action, spacing: f64, points: &mut Vec<[f64; 
                 ]
             }));
         }
-        // Of a crossing, whose way passes a singularity, its end.
+        // Of a crossing, whose path passes a singularity, its end.
         Action::Cross { to, .. } => points.push(to),
         Action::Dwell { .. } | Action::ChangeMode(_) => {}
     }

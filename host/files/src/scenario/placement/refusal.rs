@@ -52,7 +52,7 @@ impl Scenario {
         }
     }
 
-    /// If the refused move is the way to the job, which no line asks for: the first line that ends
+    /// If the refused move is the motion to the job, which no line asks for: the first line that ends
     /// where the arm cannot be, and its end [m].
     fn first_out_of_reach(&self, job: &Job, reach: &Reach, tag: u32) -> Option<(u32, [f64; 2])> {
         let is_way = |tag: u32| tag == 0 || (job.is_drawing && !tag.is_multiple_of(2));
@@ -99,21 +99,21 @@ impl Scenario {
             ..self.clone()
         };
         let kept = anywhere.greatest_fit(&unplaced, keep(true, false));
-        let mut ways = Vec::new();
+        let mut remedies = Vec::new();
         if let Some(fit) = straight {
-            ways.push(format!("--scale {}", scale(fit)));
+            remedies.push(format!("--scale {}", scale(fit)));
         }
         if kept.is_some() {
-            ways.push(format!("--fit --scale {}", self.scale));
+            remedies.push(format!("--fit --scale {}", self.scale));
         } else if let Some(fit) = turned
             && straight.is_none_or(|straight| scale(fit) > 1.05 * scale(straight))
         {
             let degrees = (1e6 * fit.turn.to_degrees()).round() / 1e6;
-            ways.push(format!("--scale {} --rotate {degrees}", scale(fit)));
+            remedies.push(format!("--scale {} --rotate {degrees}", scale(fit)));
         }
-        match ways.is_empty() {
+        match remedies.is_empty() {
             true => String::new(),
-            false => format!("it fits{without} with {}", ways.join(", or with ")),
+            false => format!("it fits{without} with {}", remedies.join(", or with ")),
         }
     }
 

@@ -129,7 +129,7 @@ pub(in crate::bridge) struct View {
     /// The shares of speed and power that the user has chosen.
     pub(in crate::bridge) shares: Shares,
     /// How many moves the controller accepts now.
-    pub(in crate::bridge) room: u8,
+    pub(in crate::bridge) free: u8,
     /// Bytes of lines that wait.
     pub(in crate::bridge) waiting: usize,
 }

@@ -35,7 +35,7 @@ pub(super) fn report(engine: &Engine, view: &View) -> String {
     format!(
         "<{state}|MPos:{}|Bf:{},{}|FS:{:.0},{:.0}|WCO:{}|Ov:{:.0},{:.0},{:.0}>\n",
         from_home(view.tool.unwrap_or(engine.home)),
-        view.room,
+        view.free,
         RECEIVED.saturating_sub(view.waiting),
         view.speed * PER_MINUTE,
         view.level * engine.full_power,

@@ -33,7 +33,7 @@ fn view() -> View {
             rapid: 0.25,
             power: 1.1,
         },
-        room: 16,
+        free: 16,
         waiting: 28,
     }
 }

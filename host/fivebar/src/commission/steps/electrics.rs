@@ -222,7 +222,7 @@ pub(super) fn away_from_switch(bench: &Bench, joint: Joint) -> Result<f64, StepE
     Ok(away * bench.drive(joint)?.gear_ratio.signum())
 }
 
-/// The torque constant [N·m/A] with its deviation, by constant voltages both ways:
+/// The torque constant [N·m/A] with its deviation, by constant voltages in both directions:
 /// u − R i − L di/dt = N K ω + v0 sign ω. The current falls while the joint gains speed: without its
 /// rate K comes out 0.3 % too great on the benchtop arm.
 fn torque_constant(

@@ -2,7 +2,7 @@
 //!
 //! One joint turns by whole turns of its motor at a constant speed and back over the same stretch; the
 //! other one is held. Torques of gravity and of products of velocities, cogging and the sensor's zero
-//! are the same both ways, so half the difference is the friction c + b |ω|.
+//! are the same in both directions, so half the difference is the friction c + b |ω|.
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 const SPEEDS: [f64; 5] = [1.0, 1.6, 2.5, 4.0, 6.0];
 /// The greatest of them, as a share of the joint's limit.
 const FASTEST: f64 = 0.3;
-/// The way on which a joint reaches its speed, and on which it comes to rest [rad], and the time in
+/// The angle in which a joint reaches its speed, and in which it comes to rest [rad], and the time in
 /// which the loop then settles [s].
 const RUN_UP: f64 = 0.04;
 const SETTLING: f64 = 0.05;
@@ -91,7 +91,7 @@ fn sweep(bench: &mut Bench, joint: Joint) -> Result<Vec<[f64; 2]>, StepError> {
         follow(bench, &to_start)?;
         let share = speed / bench.robot.limits.max_speed[joint];
         let moves = joint_moves(bench, joint, middle, &[ends[1], ends[0]], share)?;
-        // Two words a row, over both ways and the rests at their ends; the planner may slow the joint.
+        // Two words a row, over both directions and the rests at their ends; the planner may slow the joint.
         let time = 8.0 * half / speed + 0.3;
         let every = (2.0 * time * bench.robot.control.tick_rate / LOG_WORDS as f64).ceil();
         let signals = [

@@ -10,7 +10,7 @@ use fivebar_kinematics::five_bar::Joint;
 
 /// Turns of the encoder from a pulse within which a switch that drifts may soon be refused.
 const NEAR: f64 = 2.0 * INDEX_MARGIN as f64;
-/// Error of the watched way [turns]: samples are some milliseconds apart.
+/// Error of the watched angle [turns]: samples are some milliseconds apart.
 const WATCHED: f64 = 0.02;
 
 /// What was seen of one joint while it was homed.
@@ -43,24 +43,24 @@ pub(super) fn home(bench: &mut Bench) -> Result<Vec<Value>, StepError> {
             _ => break status.fault,
         }
     };
-    let ways = Joint::ALL.map(|joint| {
+    let turns = Joint::ALL.map(|joint| {
         let turn = f64::from(bench.settings.axes[joint].index_counts);
         let gone = |from: i32| f64::from(seen[joint].now.wrapping_sub(from)).abs() / turn;
         seen[joint].pressed.map(gone)
     });
     match fault {
         None => {}
-        Some(Fault::IndexAmbiguous) => return Err(ambiguous(ways)),
-        Some(Fault::IndexNotFound) => return Err(not_found(ways, seen)),
+        Some(Fault::IndexAmbiguous) => return Err(ambiguous(turns)),
+        Some(Fault::IndexNotFound) => return Err(not_found(turns, seen)),
         Some(fault) => return Err(StepError::Fault(fault)),
     }
     let mut values = Vec::new();
-    for (joint, way) in Joint::ALL.into_iter().zip(ways) {
-        let Some(way) = way else { continue };
+    for (joint, turns) in Joint::ALL.into_iter().zip(turns) {
+        let Some(turns) = turns else { continue };
         let number = joint.number();
-        if !(NEAR..=1.0 - NEAR).contains(&way) {
+        if !(NEAR..=1.0 - NEAR).contains(&turns) {
             bench.report(format_args!(
-                "the switch of {joint} closes {way:.2} turns of the encoder behind the index \
+                "the switch of {joint} closes {turns:.2} turns of the encoder behind the index \
                  pulse, and homing refuses less than {INDEX_MARGIN} and more than {}: better move the \
                  switch, or turn the disc, to 0.5",
                 1.0 - INDEX_MARGIN
@@ -68,7 +68,7 @@ pub(super) fn home(bench: &mut Bench) -> Result<Vec<Value>, StepError> {
         }
         let name = format!("index_way{number}_turns");
         let origin = "turns of the encoder from the switch to the index pulse";
-        values.push(Value::new(name, way, origin));
+        values.push(Value::new(name, turns, origin));
     }
     Ok(values)
 }
@@ -83,10 +83,10 @@ fn joints(is_so: impl Fn(Joint) -> bool) -> String {
 }
 
 /// Both joints search at once, so both may be near to their switches when one finds its pulse there.
-fn ambiguous(ways: [Option<f64>; 2]) -> StepError {
+fn ambiguous(turns: [Option<f64>; 2]) -> StepError {
     let margin = f64::from(INDEX_MARGIN) + WATCHED;
-    let near = |way: f64| !(margin..=1.0 - margin).contains(&way);
-    let which = joints(|joint| ways[joint].is_some_and(near));
+    let near = |turns: f64| !(margin..=1.0 - margin).contains(&turns);
+    let which = joints(|joint| turns[joint].is_some_and(near));
     StepError::wrong(
         format_args!(
             "the switch of {which} closes so near to an index pulse of the encoder that it does not \
@@ -97,8 +97,8 @@ fn ambiguous(ways: [Option<f64>; 2]) -> StepError {
     )
 }
 
-fn not_found(ways: [Option<f64>; 2], seen: [Seen; 2]) -> StepError {
-    let which = joints(|joint| ways[joint].is_some_and(|way| way > 1.0));
+fn not_found(turns: [Option<f64>; 2], seen: [Seen; 2]) -> StepError {
+    let which = joints(|joint| turns[joint].is_some_and(|turns| turns > 1.0));
     let high = joints(|joint| !seen[joint].low);
     if seen.iter().any(|seen| !seen.low) {
         return StepError::wrong(

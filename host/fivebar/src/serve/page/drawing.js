@@ -2,7 +2,7 @@
 import { colour } from "./colour.js";
 
 const DRAWN = 50000; // samples of strokes
-const TRAVELLED = 250; // samples of the way with the pen up
+const TRAVELLED = 250; // samples of the path with the pen up
 const ZOOMS = [0.5, 60];
 const BARS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // m
 
@@ -168,7 +168,7 @@ export class Drawing {
     this.#drawBar(height);
   }
 
-  // What was drawn, and the latest way of the tool.
+  // What was drawn, and the latest path of the tool.
   #drawTrail() {
     const context = this.#context;
     context.setLineDash([1, 4]);

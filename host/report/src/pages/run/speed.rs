@@ -27,8 +27,8 @@ impl RunReport<'_> {
         let steps: Vec<(f64, [Point; 2])> = pairs
             .map(|pair| {
                 let [from, to] = [pair[0], pair[1]].map(|sample| sample.reference);
-                let way = (to[0] - from[0]).hypot(to[1] - from[1]);
-                (way / (pair[1].time - pair[0].time), [from, to])
+                let distance = (to[0] - from[0]).hypot(to[1] - from[1]);
+                (distance / (pair[1].time - pair[0].time), [from, to])
             })
             .filter(|(speed, _)| speed.is_finite())
             .collect();

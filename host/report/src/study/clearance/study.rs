@@ -149,7 +149,7 @@ fn over(distances: impl Iterator<Item = f64>) -> TipError {
     }
 }
 
-/// The samples on the job's path, without the way from home to its beginning, which the
+/// The samples on the job's path, without the motion from home to its beginning, which the
 /// predictions leave out too.
 fn on_path<'a>(trace: &'a Trace, job: &Job) -> impl Iterator<Item = &'a Sample> {
     let beginning = job.steps.first().map_or(0, |step| step.line);

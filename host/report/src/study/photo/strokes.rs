@@ -57,7 +57,7 @@ pub fn strokes(job: &Job, start: [f64; 2]) -> JobStrokes {
             if let (Some(points), Some(lines)) =
                 (strokes.points.last_mut(), strokes.lines.last_mut())
             {
-                points.extend(way(at, &step.action, end));
+                points.extend(points_of(at, &step.action, end));
                 lines.resize(points.len() - 1, step.line);
             }
         }
@@ -67,7 +67,7 @@ pub fn strokes(job: &Job, start: [f64; 2]) -> JobStrokes {
 }
 
 /// The points of an action after its start.
-fn way(from: [f64; 2], action: &Action, end: [f64; 2]) -> Vec<Vector2<f64>> {
+fn points_of(from: [f64; 2], action: &Action, end: [f64; 2]) -> Vec<Vector2<f64>> {
     let Action::Arc {
         center, clockwise, ..
     } = *action
