@@ -140,7 +140,7 @@ fn the_line_below_the_pull_out_torque_leaves_most_of_it() {
                 (rest - slope * speed).min(NEMA17.holding_torque),
                 NEMA17.pull_out_torque(speed, supply),
             );
-            // Between its 64 places the line is above a bent curve by less than this.
+            // Between its 64 speeds the line is above a bent curve by less than this.
             assert!(line <= curve * 1.0005, "{speed} rad/s: {line} {curve}");
             smallest = smallest.min(line / curve);
         }

@@ -120,15 +120,18 @@ fn the_document_shows_the_table_of_the_settings() {
     let [begin, end] = TABLE;
     let start = DOCUMENT.find(begin).expect("the table") + begin.len();
     let length = DOCUMENT[start..].find(end).expect("the end of the table");
-    let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
+    keep_table("robot-file.md", DOCUMENT, start..start + length, &table());
+}
+
+/// Holds the table in these bytes of a document of docs/use to this one. With `FIVEBAR_UPDATE` in the environment, the
+/// document is written anew instead.
+pub(crate) fn keep_table(name: &str, document: &str, old: std::ops::Range<usize>, table: &str) {
+    let new = [&document[..old.start], table, &document[old.end..]].concat();
     if std::env::var_os("FIVEBAR_UPDATE").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use/robot-file.md");
-        std::fs::write(path, new).unwrap();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use");
+        std::fs::write(format!("{folder}/{name}"), new).unwrap();
     } else {
-        let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar --test files writes it anew";
-        assert!(
-            new == DOCUMENT,
-            "docs/use/robot-file.md is not up to date; {hint}"
-        );
+        let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar-files --test files writes it anew";
+        assert!(new == document, "docs/use/{name} is not up to date; {hint}");
     }
 }

@@ -4,6 +4,7 @@
 //! `ccw:` are arcs with their centre and their end. Lines with `note:` are the notes on the job,
 //! lines with `#` say what the file is. NAME.refused has the message of a file that is no job.
 
+use crate::document::keep_table;
 use fivebar_files::job::{self, Action, Job, Placement};
 use std::path::{Path, PathBuf};
 
@@ -196,20 +197,9 @@ fn table() -> String {
     rows.concat()
 }
 
-/// With `FIVEBAR_UPDATE` in the environment, the document is written anew instead.
 #[test]
 fn the_document_has_the_table_of_the_files() {
     let start = DOCUMENT.find(TABLE).expect("the table") + TABLE.len();
     let length = DOCUMENT[start..].find("\n\n").map_or(0, |end| end + 1);
-    let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
-    if std::env::var_os("FIVEBAR_UPDATE").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use/programs.md");
-        std::fs::write(path, new).unwrap();
-    } else {
-        let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar-files --test files writes it anew";
-        assert!(
-            new == DOCUMENT,
-            "docs/use/programs.md is not up to date; {hint}"
-        );
-    }
+    keep_table("programs.md", DOCUMENT, start..start + length, &table());
 }
