@@ -22,7 +22,7 @@ reason_not_to_run() {
     'cd verify/chip && cargo test') names_steps chip && echo "ci.sh's step chip does this" ;;
     *'verify/chip/Cargo.toml --bin board') echo "it runs until it is interrupted" ;;
     './ci.sh'*) names_steps ${1#./ci.sh} && echo "ci.sh is running" ;;
-    'scripts/firmware.sh') names_steps firmware && echo "ci.sh's step firmware does this" ;;
+    'scripts/firmware.sh' | 'scripts/release.sh images '*) names_steps firmware && echo "ci.sh's step firmware does this" ;;
     'pip install ./python' | 'python python/'*)
         names_steps python && echo "ci.sh's step python does it in an environment of its own"
         ;;
@@ -32,6 +32,7 @@ reason_not_to_run() {
     'scripts/browser_arm.sh' | 'cargo run -p fivebar-browser'*) names_steps browser && echo "ci.sh's step browser does this" ;;
     'python3 -m http.server'*) echo "it runs until it is interrupted" ;;
     'probe-rs '*) echo "it needs a board on a debug probe" ;;
+    'dfu-util '*) echo "it needs a board on USB" ;;
     *) return 1 ;;
     esac
 }
