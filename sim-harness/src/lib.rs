@@ -11,6 +11,7 @@ pub mod learning;
 pub mod link;
 pub mod measured_pose;
 pub mod path_queue;
+pub mod planned_time;
 pub mod segment;
 pub mod simulation;
 pub mod time_optimal;

@@ -317,7 +317,7 @@ impl ControllerThread {
             sender: self.is_sender_in_control(),
             control: lease.holder(),
             alive: lease.is_alive(now),
-            progress: self.feeder.progress(),
+            progress: self.feeder.progress(tick_rate),
             left: self.feeder.left(tick_rate),
             held: self.feeder.held().and_then(|_| self.feeder.line()),
             pause: self.feeder.pause(),

@@ -198,6 +198,15 @@ impl ControllerThread {
         };
         let asked_by = self.run_asked_by.take();
         let (start, again) = match prepared {
+            Prepared::Times { job, message } => {
+                self.run_asked_by = asked_by;
+                self.feeder.set_times(&job);
+                if let Some(loaded) = &mut self.loaded {
+                    loaded.job = job;
+                    self.updates.send_job(message);
+                }
+                return;
+            }
             Prepared::Job {
                 job,
                 start,

@@ -73,11 +73,21 @@ pub(super) enum Prepared {
         /// Where the rest begins [m].
         place: [f32; 2],
     },
+    /// The times of a job that was prepared before.
+    Times {
+        /// The job with its times.
+        job: Arc<ParsedJob>,
+        /// The message to the pages.
+        message: Utf8Bytes,
+    },
     /// The job cannot be read; this is the message to the pages that says why.
     Unreadable(Utf8Bytes),
     /// The page's message is no job, for this reason.
     NoJob(PageId, String),
 }
+
+/// A job that can be done, and its message to the pages.
+type Untimed = (Arc<ParsedJob>, JobMessage);
 
 /// Work, its number, and where a job would begin.
 type Order = (u64, Work, JobStart);
@@ -121,8 +131,18 @@ impl JobThread {
         let orders = Arc::clone(&place);
         thread::spawn(move || {
             while let Some((number, work, start)) = orders.wait() {
-                let prepared = workshop.prepare(work, start);
+                let (prepared, untimed) = workshop.prepare(work, start);
                 if sender.send((number, prepared)).is_err() {
+                    return;
+                }
+                // Pages show a long job before its time is known.
+                let times = untimed.and_then(|untimed| {
+                    let goes_on = || orders.is_empty();
+                    workshop.times(untimed, start, &goes_on)
+                });
+                if let Some(times) = times
+                    && sender.send((number, times)).is_err()
+                {
                     return;
                 }
             }
@@ -153,7 +173,7 @@ impl JobThread {
         self.place.changed.notify_one();
     }
 
-    /// The result of the last order, once it is done.
+    /// The result of the last order, once it is done, and later its job's times.
     pub(super) fn take(&mut self) -> Option<Prepared> {
         loop {
             let (number, prepared) = self.results.try_recv().ok()?;
@@ -177,6 +197,11 @@ impl Place {
         self.order.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Whether no order waits, and the controller's thread goes on.
+    fn is_empty(&self) -> bool {
+        matches!(*self.lock(), (None, false))
+    }
+
     /// The next order; none when the controller's thread has ended.
     fn wait(&self) -> Option<Order> {
         let mut place = self.lock();
@@ -196,7 +221,8 @@ impl Place {
 }
 
 impl Workshop {
-    fn prepare(&self, work: Work, start: JobStart) -> Prepared {
+    /// The result of the work, and the job whose times are still to be planned.
+    fn prepare(&self, work: Work, start: JobStart) -> (Prepared, Option<Untimed>) {
         let again = matches!(work, Work::Check(_));
         let mut refusal = None;
         let mut parsed = |old: &Arc<ParsedJob>, job: Job| match self.parsed(&old.name, job, start) {
@@ -220,15 +246,18 @@ impl Workshop {
                     || Err("The server plans no motion.".into()),
                     |planner| rest.planned(planner, &self.preview, from),
                 );
-                return Prepared::Rest {
-                    job: planned.map(Arc::new),
+                let timed =
+                    |job: ParsedJob| job.timed(&self.preview, from, &|| true).unwrap_or(job);
+                let rest = Prepared::Rest {
+                    job: planned.map(|job| Arc::new(timed(job))),
                     start,
                     place,
                 };
+                return (rest, None);
             }
             Work::Load(page, source) => match self.load(page, source, start) {
                 Ok(job) => Arc::new(job),
-                Err(unreadable) => return unreadable,
+                Err(unreadable) => return (unreadable, None),
             },
         };
         let mut message = self.preview.job(&job.name, &job.job, &job.moves, start);
@@ -245,13 +274,30 @@ impl Workshop {
             }
             _ => job,
         };
-        Prepared::Job {
+        let prepared = Prepared::Job {
             message: ServerMessage::Job(&message).json(),
-            refusal: message.refusal,
-            job,
+            refusal: message.refusal.clone(),
+            job: Arc::clone(&job),
             start,
             again,
-        }
+        };
+        let untimed = message.refusal.is_none().then_some((job, message));
+        (prepared, untimed)
+    }
+
+    /// The times of a job, planned while `goes_on` returns true.
+    fn times(
+        &self,
+        (job, mut message): Untimed,
+        start: JobStart,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Prepared> {
+        let job = job.timed(&self.preview, start, goes_on)?;
+        message.time = job.time();
+        Some(Prepared::Times {
+            job: Arc::new(job),
+            message: ServerMessage::Job(&message).json(),
+        })
     }
 
     fn scenario(&self, name: &str, text: String) -> Scenario {

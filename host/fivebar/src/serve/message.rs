@@ -183,9 +183,9 @@ pub(super) struct StateMessage<'a> {
     pub(super) control: Option<PageId>,
     /// Whether that page is alive.
     pub(super) alive: bool,
-    /// The time of the begun job that has passed, and its whole time, at its feed rates [s].
+    /// The time of the begun job that has passed, and its whole time, by its plan [s].
     pub(super) progress: Option<[f64; 2]>,
-    /// The time that the running job still takes, estimated [s].
+    /// The time that the running job still takes [s]: by its plan, or estimated at another speed than the job's.
     pub(super) left: Option<f64>,
     /// The line at which a stopped job can go on.
     pub(super) held: Option<u32>,
@@ -212,6 +212,8 @@ pub(super) struct JobMessage {
     pub(super) name: String,
     /// The number of its moves.
     pub(super) moves: usize,
+    /// The time that it takes by the controller's plan [s]; none while that is not known.
+    pub(super) time: Option<f64>,
     /// Its path.
     pub(super) strokes: Vec<Stroke>,
     /// What of it is skipped, and how it is read where that is not certain.

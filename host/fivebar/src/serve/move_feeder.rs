@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Moves of the job that wait in the queue.
 const WAITING: usize = 4;
-/// Time of a job after which its pace is known [s].
+/// Time of a job after which its pace at another share of the feed rates is known [s].
 const MEASURED: f64 = 1.0;
 
 /// Rest in which a page's pen moves [s]; the planner adds the time of a servo.
@@ -48,6 +48,8 @@ struct RunningJob {
     begun: Option<(u32, f64)>,
     /// The tick in which it was last seen to go on.
     seen: u32,
+    /// The number of moves before the present one, and the tick in which that one was first seen.
+    present: (usize, u32),
     /// The arm when it was last seen to go on outside of a crossing.
     arm: Option<Status>,
 }
@@ -112,6 +114,7 @@ impl RunningJob {
             place: None,
             begun: None,
             seen: 0,
+            present: (index, 0),
             arm: None,
         }
     }
@@ -169,28 +172,46 @@ impl MoveFeeder {
         Some(run.job.part(number))
     }
 
-    /// The time of the job that has passed, and its whole time, both at its feed rates [s].
-    pub(super) fn progress(&self) -> Option<[f64; 2]> {
+    /// The time of the job that has passed, and its whole time, by its plan [s].
+    pub(super) fn progress(&self, tick_rate: f64) -> Option<[f64; 2]> {
         let run = self.job.as_ref()?;
         let number = run.number(self.path.present());
-        let passed = number
-            .checked_sub(1)
-            .map_or(0.0, |last| run.job.times[last]);
+        let times = &run.job.times;
+        let before = number.checked_sub(1).map_or(0.0, |last| times[last]);
+        let whole = *times.last()?;
+        let end = times.get(number).copied().unwrap_or(whole);
+        let (of, since) = run.present;
+        let in_present = match of == number {
+            true => f64::from(run.seen.wrapping_sub(since)) / tick_rate * f64::from(self.feed()),
+            false => 0.0,
+        };
         let done = run.job.done;
-        Some([done + passed, done + *run.job.times.last()?])
+        Some([done + end.min(before + in_present), done + whole])
     }
 
-    /// The time that the running job still takes [s]: as long as its moves at their feed rates, and
-    /// longer by as much as it was so far.
+    /// The time that the running job still takes [s]: by its plan; at another share of its feed rates longer or
+    /// shorter by as much as it was since the share was chosen.
     pub(super) fn left(&self, tick_rate: f64) -> Option<f64> {
         let run = self.job.as_ref().filter(|_| self.is_running())?;
-        let [passed, all] = self.progress()?;
+        let [passed, all] = self.progress(tick_rate)?;
         let mut longer = 1.0 / f64::from(self.feed());
-        if let Some((tick, before)) = run.begun.filter(|(_, before)| passed - before > MEASURED) {
+        if let Some((tick, before)) = run.begun.filter(|(_, before)| passed - before > MEASURED)
+            && !(run.job.is_timed && self.feed() == 1.0)
+        {
             let took = f64::from(run.seen.wrapping_sub(tick)) / tick_rate;
             longer = took / (passed - before);
         }
         Some((all - passed) * longer)
+    }
+
+    /// Gives the job its times, which are planned while it may run.
+    pub(super) fn set_times(&mut self, timed: &Arc<ParsedJob>) {
+        if let Some(run) = &mut self.job
+            && Arc::ptr_eq(&run.job.pieces, &timed.pieces)
+        {
+            run.job = Arc::clone(timed);
+            run.begun = None;
+        }
     }
 
     /// Chooses the share of the job's feed rates.
@@ -200,6 +221,9 @@ impl MoveFeeder {
             feed: share,
             ..shares
         });
+        if let Some(run) = &mut self.job {
+            run.begun = None;
+        }
     }
 
     /// The share of the job's feed rates.
@@ -341,10 +365,15 @@ impl MoveFeeder {
                 run.phase = JobPhase::Held;
             }
         }
-        let passed = self.progress().map_or(0.0, |[passed, _]| passed);
-        if let Some(run) = &mut self.job {
-            run.begun.get_or_insert((status.tick, passed));
+        let number = run.number(self.path.present());
+        if run.present.0 != number || run.begun.is_none() {
+            run.present = (number, status.tick);
         }
+        let passed = number
+            .checked_sub(1)
+            .map_or(0.0, |last| run.job.times[last]);
+        run.begun
+            .get_or_insert((status.tick, run.job.done + passed));
         JobStatus::Unchanged
     }
 

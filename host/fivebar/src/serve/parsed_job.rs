@@ -4,24 +4,28 @@ use super::preview::{JobStart, Preview};
 use fivebar_files::job::{Job, Pause};
 use fivebar_firmware::Move;
 use fivebar_sim::path_queue::{divided, duration, end, remaining};
+use fivebar_sim::planned_time::planned_times;
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::Arc;
 
-/// A job that was read.
+/// A job that was read. Copies share what is long.
+#[derive(Clone)]
 pub(super) struct ParsedJob {
     pub(super) name: String,
     pub(super) job: Arc<Job>,
     pub(super) moves: Arc<[Move]>,
     /// The moves in parts short enough for a new share of the feed rate to take effect soon.
-    parts: Vec<Move>,
+    parts: Arc<[Move]>,
     /// Where it waits for its user, among the parts.
-    pauses: Vec<Pause>,
+    pauses: Arc<[Pause]>,
     /// What the controller gets: the parts, or a time-optimal motion along them.
-    pub(super) pieces: Vec<Move>,
-    /// The part that each piece belongs to.
-    part_of: Vec<usize>,
-    /// The time from the start to the end of each piece, at its feed rate [s].
-    pub(super) times: Vec<f64>,
+    pub(super) pieces: Arc<[Move]>,
+    /// The part that each piece belongs to; none: each is its own.
+    part_of: Option<Arc<[usize]>>,
+    /// The time from the start to the end of each piece [s]: planned, or at the feed rates.
+    pub(super) times: Arc<[f64]>,
+    /// Whether the times are planned.
+    pub(super) is_timed: bool,
     /// The time of what was done of the job earlier [s].
     pub(super) done: f64,
 }
@@ -29,19 +33,46 @@ pub(super) struct ParsedJob {
 impl ParsedJob {
     pub(super) fn new(name: String, job: Job, moves: Vec<Move>) -> Self {
         let (parts, pauses) = job.with_pauses(&divided(None, &moves));
-        let mut parsed = Self {
+        let moves: Arc<[Move]> = moves.into();
+        let parts = if parts.len() == moves.len() {
+            Arc::clone(&moves)
+        } else {
+            parts.into()
+        };
+        Self {
             name,
             job: Arc::new(job),
-            pauses,
-            moves: moves.into(),
-            pieces: parts.clone(),
-            part_of: (0..parts.len()).collect(),
+            pauses: pauses.into(),
+            moves,
+            times: times(&parts),
+            is_timed: false,
+            pieces: Arc::clone(&parts),
+            part_of: None,
             parts,
-            times: Vec::new(),
             done: 0.0,
-        };
-        parsed.times = times(&parsed.pieces);
-        parsed
+        }
+    }
+
+    /// The same job with the times that the controller's planner takes from a start on, planned while `goes_on`
+    /// returns true; none if it cannot be planned.
+    pub(super) fn timed(
+        &self,
+        preview: &Preview,
+        start: JobStart,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
+        let start = preview.plan_start(start)?;
+        let times = planned_times(preview.settings(), start, &self.pieces, goes_on)?;
+        Some(Self {
+            times: times.into(),
+            is_timed: true,
+            ..self.clone()
+        })
+    }
+
+    /// The planned time of the job [s].
+    pub(super) fn time(&self) -> Option<f64> {
+        self.times.last().copied().filter(|_| self.is_timed)
     }
 
     /// The same job by time-optimal motion from a start on; why not, as a sentence.
@@ -56,18 +87,13 @@ impl ParsedJob {
         let mut checks = checks.map_err(|error| error.to_string())?;
         let planned = planner.plan(from, &self.parts, &mut checks);
         let planned = planned.map_err(|error| format!("Time-optimal motion: {error}."))?;
-        let pieces: Vec<Move> = planned.iter().map(|planned| planned.next).collect();
+        let pieces: Arc<[Move]> = planned.iter().map(|planned| planned.next).collect();
         let source = planned.iter().map(|planned| planned.source.unwrap_or(0));
         Ok(Self {
-            name: self.name.clone(),
-            job: Arc::clone(&self.job),
-            moves: Arc::clone(&self.moves),
-            parts: self.parts.clone(),
-            pauses: self.pauses.clone(),
-            part_of: source.collect(),
+            part_of: Some(source.collect()),
             times: times(&pieces),
             pieces,
-            done: self.done,
+            ..self.clone()
         })
     }
 
@@ -85,33 +111,46 @@ impl ParsedJob {
             }));
             parts.extend(others);
         }
-        let done = self.part_of.partition_point(|&of| of < before.len());
+        let done = self.pieces_before(before.len());
         let done = done.checked_sub(1).map_or(0.0, |last| self.times[last]);
+        let parts: Arc<[Move]> = parts.into();
         Self {
             name: self.name.clone(),
             job: Arc::clone(&self.job),
             moves: Arc::clone(&self.moves),
-            pieces: parts.clone(),
-            part_of: (0..parts.len()).collect(),
+            pieces: Arc::clone(&parts),
+            part_of: None,
             times: times(&parts),
+            is_timed: false,
             parts,
-            pauses,
+            pauses: pauses.into(),
             done: self.done + done,
         }
     }
 
     /// The part that the piece with this number belongs to.
     pub(super) fn part(&self, piece: usize) -> usize {
-        self.part_of.get(piece).copied().unwrap_or(self.parts.len())
+        match &self.part_of {
+            Some(part_of) => part_of.get(piece).copied().unwrap_or(self.parts.len()),
+            None => piece.min(self.parts.len()),
+        }
+    }
+
+    /// The number of pieces of the parts before this one.
+    fn pieces_before(&self, part: usize) -> usize {
+        match &self.part_of {
+            Some(part_of) => part_of.partition_point(|&of| of < part),
+            None => part.min(self.pieces.len()),
+        }
     }
 
     /// The first pause behind this number of pieces: the number of pieces before it, and its text. None if
     /// the job goes on to its end.
     pub(super) fn next_pause(&self, pieces: usize) -> Option<(usize, &str)> {
-        let mut pauses = self.pauses.iter().map(|pause| {
-            let before = self.part_of.partition_point(|&part| part < pause.before);
-            (before, pause.text.as_str())
-        });
+        let mut pauses = self
+            .pauses
+            .iter()
+            .map(|pause| (self.pieces_before(pause.before), pause.text.as_str()));
         pauses.find(|&(before, _)| before > pieces)
     }
 
@@ -124,7 +163,7 @@ impl ParsedJob {
     }
 }
 
-fn times(pieces: &[Move]) -> Vec<f64> {
+fn times(pieces: &[Move]) -> Arc<[f64]> {
     let (mut place, mut time) = (None, 0.0);
     let times = pieces.iter().map(|next| {
         time += duration(place, next);

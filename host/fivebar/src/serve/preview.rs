@@ -9,6 +9,7 @@ use fivebar_firmware::settings::{CheckedSettings, SettingsError};
 use fivebar_firmware::{Move, MoveKind, Settings, Status};
 use fivebar_kinematics::five_bar::{Pose, Side, Tool, WorkingMode};
 use fivebar_sim::measured_pose::measured_pose;
+use fivebar_sim::planned_time::PlanStart;
 use fivebar_sim::segment::segment;
 use nalgebra::Vector2;
 
@@ -144,6 +145,21 @@ impl Preview {
             tool: status.reference.or(status.tool),
             branch: self.pose(status).map(|pose| self.branch(&pose)),
         }
+    }
+
+    /// Where the controller's planner would begin a job; none if the arm's position is unknown.
+    pub(super) fn plan_start(&self, start: JobStart) -> Option<PlanStart> {
+        let (tool, branch) = start.tool.zip(start.branch)?;
+        Some(PlanStart {
+            tool,
+            mode: branch.mode(),
+            assembly: branch.assembly,
+        })
+    }
+
+    /// The controller's settings.
+    pub(super) fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// The path of a job, checked as a whole, as the controller would check it.

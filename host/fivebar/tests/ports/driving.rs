@@ -1,12 +1,14 @@
 //! Jobs that are streamed to a controller with its own clock and motors.
 
 use crate::arm;
-use fivebar_files::job::{Job, Stop};
+use fivebar_files::job::{DEMONSTRATION, Job, Stop};
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::protocol::{HostCommand, SectionKey};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Planner, Request};
 use fivebar_sim::drive::{Drive, DriveError, Homing};
 use fivebar_sim::link::{Client, Loopback};
+use fivebar_sim::planned_time::{PlanStart, planned_times};
 use fivebar_sim::time_optimal::JobPlanner;
 use std::cell::Cell;
 
@@ -212,4 +214,71 @@ fn a_latched_fault_is_reported_and_prevents_motion_until_it_is_cleared() {
     );
     drive.clear_fault().expect("the fault is cleared");
     drive.home(Homing::Switches).expect("homing succeeds");
+}
+
+/// The time that a job takes [s]: planned before, then driven.
+fn times_of(moves: &[Move], drive: &mut Drive<'_, Loopback>) -> [f64; 2] {
+    let settings = arm::settings();
+    let start = PlanStart {
+        tool: drive.tool().expect("the arm is homed"),
+        mode: settings.working_mode(),
+        assembly: settings.assembly(),
+    };
+    let planned = planned_times(&settings, start, moves, &|| true).expect("the job is planned");
+    assert!(planned.is_sorted(), "{planned:?}");
+    let mut running = Vec::new();
+    drive
+        .follow(moves, &settings, &mut |_, status| {
+            if status.state == State::Running {
+                running.push(status.tick);
+            }
+        })
+        .expect("the job is executed");
+    let ticks = running[running.len() - 1] - running[0];
+    let tick_rate = f64::from(settings.control.tick_rate);
+    [planned[planned.len() - 1], f64::from(ticks) / tick_rate]
+}
+
+/// The status is read every 10 ms, so a time is known within 20 ms.
+#[test]
+fn the_planned_time_of_a_job_is_that_of_its_run() {
+    let mut client = client();
+    let mut drive = Drive::new(&mut client, &|| false);
+    drive.home(Homing::Switches).expect("homing succeeds");
+    let zigzag: String = (0..100)
+        .map(|i| format!("G1 X{} Y{}\n", 0.05 * f64::from(i), i % 2))
+        .collect();
+    let circles = "G2 X10 Y0 I5 J0\nG2 X0 Y0 I-5 J0\n".repeat(4);
+    let fine: String = (0..3000)
+        .map(|i| f64::from(i) / 100.0)
+        .map(|turn| {
+            format!(
+                "G1 X{:.4} Y{:.4}\n",
+                8.0 * turn.sin(),
+                5.0 * (3.0 * turn).cos()
+            )
+        })
+        .collect();
+    let jobs = [
+        DEMONSTRATION.to_string(),
+        format!("G21 G90 F3000\nM3\n{zigzag}G4 P200\nM5\nG0 X0 Y0\n"),
+        format!("G21 G90 F1200\nM3\n{circles}"),
+        format!("G21 G90 F6000\nM3\n{fine}"),
+    ];
+    for text in jobs {
+        let scenario = Scenario::new("job", arm::robot(), "job.gcode", text);
+        let job = scenario.job().expect("the job is read");
+        let moves = scenario.moves(&job).expect("the job has moves");
+        let [planned, took] = times_of(&moves, &mut drive);
+        assert!(
+            (took - planned).abs() < 0.025,
+            "planned {planned} s, took {took} s"
+        );
+    }
+    let timed = timed_job(&mut drive);
+    let [planned, took] = times_of(&timed, &mut drive);
+    assert!(
+        (took - planned).abs() < 0.02,
+        "planned {planned} s, took {took} s"
+    );
 }

@@ -171,6 +171,40 @@ fn a_share_of_the_feed_rate_takes_effect_within_a_second_and_a_half() {
 }
 
 #[test]
+fn the_time_of_a_job_and_the_time_left_are_those_of_its_run() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    // Circles and a zigzag, whose corners take most of the time.
+    let zigzag: String = (0..100)
+        .map(|i| format!("G1 X{} Y{}\n", 0.05 * f64::from(i), i % 2))
+        .collect();
+    let text = format!("G21 G90 F3000\nM3\nG2 X10 Y0 I5 J0\nG2 X0 Y0 I-5 J0\n{zigzag}");
+    page.send(&json!({ "load": { "name": "strokes", "text": text } }));
+    let planned = page.wait("its time", |message| {
+        message.get("job")?.get("time")?.as_f64()
+    });
+    page.send(&json!("run"));
+    let begun = page.state("the motion", |state| state["state"] == "Running");
+    let half = page.state("a line of the zigzag", |state| {
+        state["tag"].as_u64().is_some_and(|line| line > 45)
+    });
+    let end = page.state("its end", |state| state["left"].is_null());
+    let took = time(&end) - time(&begun);
+    // States come every 33 ms.
+    assert!(
+        (took - planned).abs() < 0.15,
+        "{took} s, planned {planned} s"
+    );
+    let [left, was_left] = [number(&half["left"]), time(&end) - time(&half)];
+    assert!(was_left > 2.0, "{was_left} s");
+    assert!(
+        (left - was_left).abs() < 0.25,
+        "{left} s left, then {was_left} s"
+    );
+}
+
+#[test]
 fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
     let server = Server::start(&[]);
     let mut page = server.page();

@@ -14,11 +14,15 @@ export function put(id, text) {
   if (at(id).textContent !== text) at(id).textContent = text;
 }
 
-// A time such as 2:05.
+// A time such as 2:05 or 1:02:05.
 function clock(seconds) {
-  const whole = Math.round(seconds);
-  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
+  const whole = Math.round(seconds), minutes = Math.floor(whole / 60), two = (part) => String(part).padStart(2, "0");
+  const hours = Math.floor(minutes / 60);
+  return `${hours ? `${hours}:${two(minutes % 60)}` : minutes}:${two(whole % 60)}`;
 }
+
+// The time that a job still takes: by its plan at its own speed, estimated at another one.
+const timeLeft = ({ left, feed }) => `${feed === 1 ? "" : "about "}${clock(left)} left`;
 
 // The states whose names in the protocol say little.
 const STATES = { Stopped: "Motors off", Armed: "Motors on", Running: "Moving", Crossing: "Changing branch" };
@@ -86,7 +90,7 @@ export function nextStep(state, job, fault, watching) {
       return [`The motors are off.${held} Switch them on, then the arm holds its position.`, "arm", "Motors on"];
     case "Running":
       if (state.left === null) return ["The arm moves.", "stop", "Stop"];
-      return [`The job is at line ${state.tag ?? "–"}, about ${clock(state.left)} left.`, "stop", "Stop"];
+      return [`The job is at line ${state.tag ?? "–"}, ${timeLeft(state)}.`, "stop", "Stop"];
     default:
       if (state.left !== null) return ["The job begins.", "stop", "Stop"];
       if (state.pause) return [`${state.pause}. Then press Resume.`, null, "Show it", "resume"];
@@ -110,7 +114,7 @@ export function showNumbers(state, me) {
   put("speed", state.speed === null ? "–" : `${state.speed.toFixed(2)}×`);
   const [done, all] = state.progress ?? [0, 1];
   at("progress").value = all > 0 ? done / all : 0;
-  put("left", state.left !== null ? `about ${clock(state.left)} left`
+  put("left", state.left !== null ? timeLeft(state)
     : state.pause ? "the job waits for you" : state.held !== null ? `stopped at line ${state.held}` : "–");
 }
 
@@ -146,7 +150,7 @@ export function showFault(fault) {
   }));
 }
 
-// What a job draws: its size, and the number and length of its strokes. Nothing for a job without strokes.
+// What a job draws: its size, the number and length of its strokes, and its time. Nothing for a job without strokes.
 function extent(job, box) {
   if (!box) return "";
   const strokes = job.strokes.filter(({ down }) => down);
@@ -155,7 +159,8 @@ function extent(job, box) {
   const length = strokes.reduce((sum, { points }) => sum + along(points), 0);
   const [wide, high] = [box[2] - box[0], box[3] - box[1]].map((size) => (1000 * size).toFixed(1));
   const count = `${strokes.length} ${strokes.length === 1 ? "stroke" : "strokes"}`;
-  return `${wide} × ${high} mm · ${count} · ${(1000 * length).toFixed(0)} mm drawn`;
+  const time = job.time === null ? "" : ` · ${job.time < 60 ? `${job.time.toFixed(1)} s` : clock(job.time)}`;
+  return `${wide} × ${high} mm · ${count} · ${(1000 * length).toFixed(0)} mm drawn${time}`;
 }
 
 // Shows a job; `box` holds the corners of what it draws [m].
