@@ -159,6 +159,10 @@ class Page:
         self.request("arm")
         self.wait_for("Armed")
 
+    def home_and_arm_if_needed(self):
+        if self.state() != "Armed":
+            self.home_and_arm()
+
     def choose_branch(self, elbows):
         self.browser.click(f'[data-mode="{elbows}"]')
 

@@ -13,6 +13,7 @@ import time
 
 import access
 import commissioning
+import holding
 import layout
 import looks
 import moving
@@ -42,6 +43,8 @@ def main():
         browser.resize(1280, 900)
         moving.check(page)
         passed("keys, drags, refusals, branches, jobs, emergency stop")
+        holding.check(page, server)
+        passed("motion while a button, a finger or a key is held")
         stopping.check(page, server)
         passed("stops from every control, double clicks, held keys, while the page loads")
         looks.check(page)

@@ -43,6 +43,15 @@ pub(super) enum ClientRequest {
         /// θ1 or θ4, up to whole turns [rad].
         to: f64,
     },
+    /// Move the tool with this velocity [m/s], in a straight line as far as it goes, until a stop.
+    Hold([f64; 2]),
+    /// Turn a joint as far as it goes, until a stop.
+    HoldJoint {
+        /// The joint.
+        joint: DrivenJoint,
+        /// The velocity of θ1 or θ4 [rad/s].
+        rate: f64,
+    },
     /// Put the pen down or lift it, where the arm rests.
     Pen(PenPosition),
     /// Change to this working mode (the sides of elbows 1 and 4) with the same position of
@@ -262,7 +271,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 15];
+        let mut seen = [false; 16];
         for example in examples.lines() {
             let kind = match serde_json::from_str(example).expect(example) {
                 ClientRequest::Alive => 0,
@@ -280,10 +289,11 @@ mod tests {
                 ClientRequest::Feed(_) => 12,
                 ClientRequest::Place(_) => 13,
                 ClientRequest::Pen(_) => 14,
+                ClientRequest::Hold(_) | ClientRequest::HoldJoint { .. } => 15,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 15]);
+        assert_eq!(seen, [true; 16]);
     }
 
     #[test]

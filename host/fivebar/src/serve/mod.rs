@@ -23,7 +23,7 @@
 //! |---|---|
 //! | `arm`, `maps` | the arm and its workspace, sent to pages before the arm moves |
 //! | `controller_thread`, `move_feeder` | the exchange with the controller; the moves that wait |
-//! | `requests`, `job_requests` | what each request of a page does; refusals as sentences |
+//! | `requests`, `job_requests`, `held_motion` | what each request of a page does; refusals as sentences |
 //! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
 //! | `mode_thread` | the thread that plans changes of the working mode |
 //! | `preview`, `strokes` | the arm and its jobs as lines to draw |
@@ -46,6 +46,7 @@ pub(super) mod commission;
 mod controller_thread;
 mod frame_meter;
 mod guard;
+mod held_motion;
 mod job_requests;
 mod job_thread;
 mod lease;

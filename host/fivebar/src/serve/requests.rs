@@ -39,6 +39,8 @@ impl ClientRequest {
             | Self::Follow(_)
             | Self::JogJoint { .. }
             | Self::Turn { .. }
+            | Self::Hold(_)
+            | Self::HoldJoint { .. }
             | Self::Pen(_)
             | Self::Mode(_)
             | Self::Run
@@ -161,6 +163,8 @@ impl ControllerThread {
                 self.move_joint(joint, |angle| angle + single(by))
             }
             ClientRequest::Turn { joint, to } => self.move_joint(joint, |_| single(to)),
+            ClientRequest::Hold(velocity) => self.hold(velocity.map(single)),
+            ClientRequest::HoldJoint { joint, rate } => self.hold_joint(joint, single(rate)),
             ClientRequest::Pen(position) => self.move_pen(position),
             ClientRequest::Mode(elbows) => {
                 self.change_mode(page.id, elbows);
@@ -230,9 +234,7 @@ impl ControllerThread {
     }
 
     fn jog(&mut self, [dx, dy]: [f32; 2]) -> Result<(), Refused> {
-        let [x, y] = self
-            .tool_end()
-            .ok_or("The arm is not armed: home it, then arm it.")?;
+        let [x, y] = self.end_of_tool()?;
         self.move_tool([x + dx, y + dy]);
         Ok(())
     }
@@ -248,9 +250,7 @@ impl ControllerThread {
         joint: DrivenJoint,
         to: impl FnOnce(f32) -> f32,
     ) -> Result<(), Refused> {
-        let mut angles = self
-            .joints_end()
-            .ok_or("The arm is not armed: home it, then arm it.")?;
+        let mut angles = self.end_of_joints()?;
         let [theta1, theta4] = &mut angles;
         let angle = match joint {
             DrivenJoint::Theta1 => theta1,
@@ -306,6 +306,18 @@ impl ControllerThread {
             to: [nearest(to1, now1), nearest(to4, now4)],
             speed: JOINT_SPEED,
         });
+    }
+
+    /// As [`Self::tool_end`], or why there is none.
+    pub(super) fn end_of_tool(&self) -> Result<[f32; 2], Refused> {
+        let end = self.tool_end();
+        end.ok_or_else(|| "The arm is not armed: home it, then arm it.".into())
+    }
+
+    /// As [`Self::joints_end`], or why there are none.
+    pub(super) fn end_of_joints(&self) -> Result<[f32; 2], Refused> {
+        let end = self.joints_end();
+        end.ok_or_else(|| "The arm is not armed: home it, then arm it.".into())
     }
 
     /// The position of the tool after all pending moves [m].

@@ -33,7 +33,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 21] = [
+const ASSETS: [Asset; 23] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -60,7 +60,9 @@ const ASSETS: [Asset; 21] = [
     ("/drag.js", SCRIPT, include_str!("page/drag.js")),
     ("/emergency.js", SCRIPT, include_str!("page/emergency.js")),
     ("/files.js", SCRIPT, include_str!("page/files.js")),
+    ("/hold.js", SCRIPT, include_str!("page/hold.js")),
     ("/keys.js", SCRIPT, include_str!("page/keys.js")),
+    ("/layers.js", SCRIPT, include_str!("page/layers.js")),
     ("/map.js", SCRIPT, include_str!("page/map.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),

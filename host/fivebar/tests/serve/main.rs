@@ -4,6 +4,7 @@
 
 mod commission;
 mod crossing;
+mod held_motion;
 mod hostile;
 mod lost_page;
 mod own_job;

@@ -4,6 +4,7 @@ import { Drawing } from "./drawing.js";
 import { DragHandler } from "./drag.js";
 import { alarm, connection } from "./emergency.js";
 import { listenToFiles } from "./files.js";
+import { Hold } from "./hold.js";
 import { listen } from "./keys.js";
 import { WorkspaceMap } from "./map.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
@@ -14,6 +15,7 @@ const DEGREE = Math.PI / 180;
 const SHIFT = 0.005; // m that a button moves the drawing by
 const STEPS = [0.0001, 0.001, 0.005, 0.02]; // m
 const TURNS = [0.1, 1, 5, 20]; // degrees
+const STEPS_A_SECOND = 10; // of a control that is held
 const PAUSE = 1000; // ms for which the button of the next step does nothing after it has changed
 
 // An error of a script is shown, so that a failed page is not taken for a working one.
@@ -43,6 +45,7 @@ let marked = null; // the control that is marked, because the next step has its 
 let nextBefore = null; // the one before
 let nextSince = -PAUSE; // when it changed [ms]
 const clicks = new ClickGuard();
+const NOT_MEANT = "Not done, because a click in this place has just done something else. Look at the arm, then click again.";
 
 // Messages of the server.
 
@@ -51,6 +54,7 @@ function receive(message) {
   if (message.stopped) {
     drag.releaseArm();
     muteKeys();
+    hold.forget();
   }
   if (message.state) showState(message.state);
   if (message.notice && (message.notice.to ?? me) === me) showNotice(message.notice.text, message.notice.refused);
@@ -78,6 +82,7 @@ function receive(message) {
 
 function lose(reason) {
   last = null;
+  hold.forget();
   showStateText("offline", "No connection");
   showControls();
   if (reason) showNotice(reason, true);
@@ -187,7 +192,7 @@ function redraw() {
   willDraw = true;
   requestAnimationFrame(() => {
     willDraw = false;
-    drawing.draw();
+    if (!drawing.draw()) redraw();
     for (const plot of Object.values(plots)) plot.draw();
   });
 }
@@ -202,6 +207,7 @@ function send(request) {
 // Stops on the path, whatever this page last received about the arm. The hand lets go of what it drags.
 function stop() {
   drag.releaseArm();
+  hold.forget();
   showNotice("");
   if (!connection.send({ request: "stop" })) {
     alarm("Stop NOT SENT: there is no connection. Use the switch at the arm.");
@@ -216,6 +222,33 @@ function jog(x, y) {
 function jogJoint(joint, sign) {
   send({ jog_joint: { joint, by: sign * TURNS[at("turn").value] * DEGREE } });
 }
+
+// The steps of an arrow, and the joint and the sign of a turning arrow.
+const stepsOf = (direction) => direction.split(",").map(Number);
+const turnOf = (turn) => [turn.slice(0, -1), turn.endsWith("+") ? 1 : -1];
+
+function holdTool(x, y) {
+  const speed = STEPS_A_SECOND * STEPS[at("step-size").value];
+  send({ hold: [x * speed, y * speed] });
+}
+
+function holdJoint(joint, sign) {
+  send({ hold_joint: { joint, rate: sign * STEPS_A_SECOND * TURNS[at("turn").value] * DEGREE } });
+}
+
+// What begins the motion of a button while it is held; null: it has none now.
+function motionOf(button, event) {
+  const { jog: direction, turn } = button.dataset;
+  if (!direction && !turn) return null;
+  if (whyNot("jog", last, loaded) !== null || last.control !== me) return null;
+  return () => {
+    if (!clicks.admits("jog", button, event)) showNotice(NOT_MEANT, true);
+    else if (direction) holdTool(...stepsOf(direction));
+    else holdJoint(...turnOf(turn));
+  };
+}
+
+const hold = new Hold(motionOf, stop);
 
 // Moves the drawing, and scales and turns it about its middle.
 function place([x, y], scale, degrees) {
@@ -262,14 +295,12 @@ function act(button, event) {
   if (request === "stop") return stop();
   if (how) return zoom(how);
   if (mode) return chooseBranch(mode);
-  if (!isMeant && MOVING.includes(name)) {
-    return showNotice("Not done, because a click in this place has just done something else. Look at the arm, then click again.", true);
-  }
+  if (!isMeant && MOVING.includes(name)) return showNotice(NOT_MEANT, true);
   const why = button.closest("#panel") ? whyNot(name, last, loaded) : null;
   if (why !== null && last?.control === me) return showNotice(why.includes(". ") ? why : `Not now: ${why}.`, true);
   if (request) send({ request });
-  else if (direction) jog(...direction.split(",").map(Number));
-  else if (turn) jogJoint(turn.slice(0, -1), turn.endsWith("+") ? 1 : -1);
+  else if (direction) jog(...stepsOf(direction));
+  else if (turn) jogJoint(...turnOf(turn));
   else if (pen) send({ pen });
   else if (where) {
     const [x, y, scale, degrees] = where.split(",").map(Number);
@@ -300,8 +331,8 @@ function showSliders() {
   put("ten", `→ ${step} mm\n⇒ ${10 * step} mm`);
   for (const [id, text] of [
     ["feed", `${percent()} %`],
-    ["step-size", `${step} mm`],
-    ["turn", `${TURNS[at("turn").value]}°`],
+    ["step-size", `${step} mm, held: ${STEPS_A_SECOND * step} mm/s`],
+    ["turn", `${TURNS[at("turn").value]}°, held: ${STEPS_A_SECOND * TURNS[at("turn").value]}°/s`],
   ]) {
     put(`${id}-value`, text);
     if (at(id).ariaValueText !== text) at(id).ariaValueText = text;
@@ -315,22 +346,18 @@ at("map").onchange = () => setMap(at("map").checked);
 listenToFiles(at("file"), connection, load, (reason) => showNotice(reason, true));
 listenToTabs(redraw);
 
-const KEYS = {
-  ArrowLeft: () => jog(-1, 0),
-  ArrowRight: () => jog(1, 0),
-  ArrowUp: () => jog(0, 1),
-  ArrowDown: () => jog(0, -1),
-  "+": () => zoom("in"),
-  "-": () => zoom("out"),
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const JOINT_ARROWS = {
+  ArrowLeft: ["theta1", 1], ArrowRight: ["theta1", -1], ArrowUp: ["theta4", 1], ArrowDown: ["theta4", -1],
 };
-const SHIFT_KEYS = {
-  ArrowLeft: () => jogJoint("theta1", 1),
-  ArrowRight: () => jogJoint("theta1", -1),
-  ArrowUp: () => jogJoint("theta4", 1),
-  ArrowDown: () => jogJoint("theta4", -1),
-  "+": KEYS["+"],
-};
-const muteKeys = listen(stop, KEYS, SHIFT_KEYS);
+const actions = (act, arrows) => Object.fromEntries(Object.entries(arrows).map(([key, by]) => [key, () => act(...by)]));
+const ZOOM_KEYS = { "+": () => zoom("in"), "-": () => zoom("out") };
+const muteKeys = listen(
+  stop,
+  { ...actions(jog, ARROWS), ...ZOOM_KEYS },
+  { ...actions(jogJoint, JOINT_ARROWS), ...ZOOM_KEYS },
+  (key, isJoint) => hold.press(key, () => (isJoint ? holdJoint(...JOINT_ARROWS[key]) : holdTool(...ARROWS[key]))),
+);
 
 drag.onStart = () => showNotice("");
 drag.onFollow = (point) => connection.send({ follow: point });

@@ -1,7 +1,8 @@
 // The arm on its canvas, with its trail and the path of the job.
 import { colour } from "./colour.js";
+import { Layer, Points } from "./layers.js";
 
-const DRAWN = 50000; // samples of strokes
+const DRAWN = 200000; // samples of strokes
 const TRAVELLED = 250; // samples of the path with the pen up
 const ZOOMS = [0.5, 60];
 const BARS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // m
@@ -12,10 +13,15 @@ export class Drawing {
   #arm;
   #map;
   #state = null;
-  #drawn = []; // strokes
+  #drawn = new Points();
+  #drawings = 0; // how often what was drawn was forgotten in part
   #travelled = [];
   #view = { zoom: 1, x: 0, y: 0 }; // the zoom, and the shift of the middle [px]
-  job = null;
+  #job = null;
+  #path = new Points(); // of the job
+  #paths = 0; // the number of jobs
+  #layers = { job: new Layer(), drawn: new Layer() };
+  jobBox = null; // lower left and upper right corner of what the job draws [m]
   shift = [0, 0]; // of the drawing while it is dragged [m]
   grabs = false; // whether a drag moves the drawing
   target = null; // where the pointer drags [m]
@@ -32,7 +38,28 @@ export class Drawing {
   }
 
   #down = false; // whether the tool was down
-  #count = 0; // samples of strokes
+
+  get job() {
+    return this.#job;
+  }
+
+  set job(job) {
+    this.#job = job;
+    this.#path = new Points();
+    this.#paths += 1;
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const { down, points } of job.strokes) {
+      points.forEach(([x, y], i) => {
+        this.#path.add([x, y], i === 0 ? -1 : Number(down));
+        if (!down) return;
+        box[0] = Math.min(box[0], x);
+        box[1] = Math.min(box[1], y);
+        box[2] = Math.max(box[2], x);
+        box[3] = Math.max(box[3], y);
+      });
+    }
+    this.jobBox = box[0] <= box[2] ? box : null;
+  }
 
   // What can be dragged, by name; null until the arm is homed.
   get handles() {
@@ -49,38 +76,24 @@ export class Drawing {
     }
     if (!state.tool) return;
     for (const [x, y, level] of [...state.trail, [...state.tool, state.tool_level]]) this.#follow([x, y], level > 0);
-    while (this.#count > DRAWN && this.#drawn.length > 1) this.#count -= this.#drawn.shift().length;
+    if (this.#drawn.length > DRAWN) {
+      this.#drawn.keep(DRAWN / 2);
+      this.#drawings += 1;
+    }
   }
 
   #follow(point, down) {
     this.#travelled.push(point);
     if (this.#travelled.length > TRAVELLED) this.#travelled.shift();
-    if (down && !this.#down) this.#drawn.push([]);
-    if (down) this.#drawn.at(-1).push(point);
+    if (down) this.#drawn.add(point, this.#down ? 0 : -1);
     this.#down = down;
-    this.#count += down;
   }
 
   // Forgets what was drawn.
   forget() {
-    this.#drawn = [];
-    this.#count = 0;
+    this.#drawn = new Points();
+    this.#drawings += 1;
     this.#down = false;
-  }
-
-  // Lower left and upper right corner of what the job draws [m].
-  get jobBox() {
-    const strokes = this.job?.strokes ?? [];
-    const points = strokes.filter(({ down }) => down).flatMap(({ points }) => points);
-    if (!points.length) return null;
-    const box = [Infinity, Infinity, -Infinity, -Infinity];
-    for (const [x, y] of points) {
-      box[0] = Math.min(box[0], x);
-      box[1] = Math.min(box[1], y);
-      box[2] = Math.max(box[2], x);
-      box[3] = Math.max(box[3], y);
-    }
-    return box;
   }
 
   isInJob([x, y]) {
@@ -150,9 +163,10 @@ export class Drawing {
     return this.#scale()[0] * Math.hypot(x1 - x0, y1 - y0);
   }
 
+  // Returns whether all is drawn; else the next frame draws more.
   draw() {
     const canvas = this.#canvas, context = this.#context;
-    if (!canvas.clientWidth) return;
+    if (!canvas.clientWidth) return true;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
@@ -161,41 +175,57 @@ export class Drawing {
     context.clearRect(0, 0, width, height);
     context.lineCap = context.lineJoin = "round";
     this.#map.draw(context, (point) => this.pixel(point), (...line) => this.#line(...line));
-    this.#drawJob();
-    this.#drawTrail();
+    const [scale, left, top] = this.#scale();
+    const view = { scale, left, top, width, height, ratio };
+    const isWhole = [this.#drawJob(view), this.#drawTrail(view)].every(Boolean);
     if (this.#state?.joints) this.#drawArm(this.#state);
     else this.#drawHome();
     this.#drawBar(height);
+    return isWhole;
   }
 
   // What was drawn, and the latest path of the tool.
-  #drawTrail() {
+  #drawTrail(view) {
     const context = this.#context;
     context.setLineDash([1, 4]);
     this.#line(this.#travelled, "--quiet", 1.5);
     context.setLineDash([]);
-    for (const stroke of this.#drawn) this.#line(stroke, "--drawn", 3);
+    const ink = [colour("--drawn"), 3];
+    return this.#layers.drawn.draw(context, view, `${this.#drawings} ${ink}`, this.#drawn.length, (layer, from, to) =>
+      this.#drawn.stroke(layer, view, from, to, () => ink));
   }
 
-  #drawJob() {
-    const strokes = this.job?.strokes ?? [];
-    const moved = (points) => points.map(([x, y]) => [x + this.shift[0], y + this.shift[1]]);
+  // In four passes: travel, then strokes, each with a rim of the paper's colour.
+  #drawJob(view) {
     const context = this.#context;
-    context.setLineDash([2, 5]);
-    for (const { down, points } of strokes) if (!down) this.#line(moved(points), "--casing", 1.5);
-    context.lineDashOffset = 3.5;
-    for (const { down, points } of strokes) if (!down) this.#line(moved(points), "--path", 1);
-    context.lineDashOffset = 0;
-    context.setLineDash([]);
-    for (const { down, points } of strokes) if (down) this.#line(moved(points), "--casing", 5);
-    for (const { down, points } of strokes) if (down) this.#line(moved(points), "--path", 2);
+    const [path, casing] = [colour("--path"), colour("--casing")];
+    const passes = [
+      { kind: 0, ink: [casing, 1.5], dash: [2, 5], offset: 0 },
+      { kind: 0, ink: [path, 1], dash: [2, 5], offset: 3.5 },
+      { kind: 1, ink: [casing, 5], dash: [], offset: 0 },
+      { kind: 1, ink: [path, 2], dash: [], offset: 0 },
+    ];
+    const { length } = this.#path;
+    const paint = (layer, from, to) => passes.forEach(({ kind, ink, dash, offset }, pass) => {
+      const [first, last] = [from, to].map((step) => Math.min(length, Math.max(0, step - pass * length)));
+      if (first === last) return;
+      layer.setLineDash(dash);
+      layer.lineDashOffset = offset;
+      this.#path.stroke(layer, view, first, last, (other) => (other === kind ? ink : null));
+    });
+    const [x, y] = this.shift;
+    context.save();
+    context.translate(view.scale * x, -view.scale * y);
+    const isWhole = this.#layers.job.draw(context, view, `${this.#paths} ${path}`, passes.length * length, paint);
+    context.restore();
     if (this.job?.at) this.#cross(this.job.at);
     if (this.grabs && this.jobBox) {
       const [x0, y0, x1, y1] = this.jobBox;
       context.setLineDash([6, 4]);
-      this.#line(moved([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]]), "--one", 2);
+      this.#line([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]].map(([u, v]) => [u + x, v + y]), "--one", 2);
       context.setLineDash([]);
     }
+    return isWhole;
   }
 
   // The home pose, pale, because the arm's real pose is unknown until it is homed.

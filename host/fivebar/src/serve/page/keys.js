@@ -4,9 +4,9 @@ import { connection } from "./emergency.js";
 // Controls that move the arm or switch its motors on: they are pressed by Enter, so that Space stops there.
 const MOVING = "[data-request], [data-jog], [data-turn], [data-pen], #run, #run-from, #resume, #change, #next";
 
-// Listens to keys. `stop` stops the arm; `keys` and `shiftKeys` hold an action for each other key. Returns a
-// function that mutes the keys that are down.
-export function listen(stop, keys, shiftKeys) {
+// Listens to keys. `stop` stops the arm; `keys` and `shiftKeys` have an action for each other key, and `held` gets a
+// key that may be held for a motion. Returns a function that mutes the keys that are down.
+export function listen(stop, keys, shiftKeys, held) {
   let isHeld = false; // the Space that has stopped the arm is still down
   let isMuted = false; // an arrow that was held before the stop jogs no more
   const isSpace = ({ key, code }) => key === " " || code === "Space";
@@ -29,8 +29,11 @@ export function listen(stop, keys, shiftKeys) {
     const action = (shiftKey ? shiftKeys : keys)[key];
     if (!action) return;
     event.preventDefault();
+    const isArrow = key.startsWith("Arrow");
     if (!repeat) isMuted = false;
-    if (!isMuted) action();
+    if (isMuted || (isArrow && repeat)) return;
+    action();
+    if (isArrow) held(key, shiftKey);
   }, true);
   // Some browsers press a button when the key is released.
   addEventListener("keyup", (event) => {
