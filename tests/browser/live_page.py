@@ -13,6 +13,7 @@ import time
 
 import access
 import commissioning
+import consoles
 import holding
 import layout
 import looks
@@ -45,6 +46,8 @@ def main():
         passed("keys, drags, refusals, branches, jobs, emergency stop")
         holding.check(page, server)
         passed("motion while a button, a finger or a key is held")
+        consoles.check(page)
+        passed("console")
         stopping.check(page, server)
         passed("stops from every control, double clicks, held keys, while the page loads")
         looks.check(page)

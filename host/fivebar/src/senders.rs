@@ -6,6 +6,7 @@ use fivebar_sim::link::LinkError;
 use std::error::Error;
 use std::fmt;
 use std::net::SocketAddr;
+use std::sync::mpsc::{Receiver, Sender};
 
 /// Where senders connect.
 #[derive(Clone, Debug)]
@@ -43,10 +44,28 @@ impl Endpoints {
     }
 }
 
+/// A page's console: a sender whose lines the page sends. It ends when it is dropped.
+pub struct Console {
+    /// What the page sends.
+    pub input: Sender<String>,
+    /// The answers.
+    pub output: Receiver<String>,
+}
+
 /// Senders that may move the arm beside the pages. One of them at a time is in control.
 pub trait Senders: Send {
-    /// Where they connect.
-    fn endpoints(&self) -> &Endpoints;
+    /// Where they connect; none: there are consoles only.
+    fn endpoints(&self) -> Option<&Endpoints>;
+
+    /// Opens a console, which asks for control.
+    fn open_console(&mut self) -> Console;
+
+    /// Whether the console that was opened last is in control.
+    fn is_console_in_control(&self) -> bool;
+
+    /// Takes control from that console, unless its lines or the arm are in progress. Returns whether no console is
+    /// in control now.
+    fn release_console(&mut self, session: &Session) -> bool;
 
     /// Serves the sender in control; returns whether there is one. A new one is admitted only if
     /// `admits`.

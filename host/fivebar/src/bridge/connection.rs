@@ -7,6 +7,7 @@
 
 use super::protocol::{Gate, Input, RealTime};
 use super::{BridgeError, network, terminal};
+use crate::senders::Endpoints;
 use fivebar_files::job::Dialect;
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
@@ -206,8 +207,7 @@ impl Desk {
         Gate::guarded(self.dialect)
     }
 
-    /// A gate for bytes of programs that may open the terminal.
-    #[cfg(unix)]
+    /// A gate for bytes of programs that may open the terminal, and of consoles.
     pub(super) fn open_gate(&self) -> Gate {
         Gate::open(self.dialect)
     }
@@ -284,9 +284,19 @@ pub(super) struct Connections {
 
 /// The address and the terminal where senders connect, each if it is there.
 pub(super) struct Listening {
-    pub(super) address: Option<SocketAddr>,
-    pub(super) terminal: Option<String>,
-    pub(super) connections: Connections,
+    address: Option<SocketAddr>,
+    terminal: Option<String>,
+}
+
+impl Listening {
+    /// The same with the place where the controller runs.
+    pub(super) fn endpoints(self, place: &str) -> Endpoints {
+        Endpoints {
+            address: self.address,
+            terminal: self.terminal,
+            place: place.into(),
+        }
+    }
 }
 
 /// Where senders ask for control, and the slot's end of their connections.
@@ -303,20 +313,12 @@ pub(super) fn desk(dialect: Option<Dialect>) -> (Desk, Connections) {
 
 /// Starts the threads that accept senders: at a pseudo-terminal if this system has one, and over
 /// TCP if an address is given.
-pub(super) fn listen(
-    address: Option<SocketAddr>,
-    dialect: Option<Dialect>,
-) -> Result<Listening, BridgeError> {
-    let (desk, connections) = desk(dialect);
+pub(super) fn listen(address: Option<SocketAddr>, desk: &Desk) -> Result<Listening, BridgeError> {
     let address = address.map(|address| network::listen(address, desk.clone()));
     let address = address.transpose()?;
-    let terminal = terminal::open(desk).map_err(BridgeError::Terminal)?;
+    let terminal = terminal::open(desk.clone()).map_err(BridgeError::Terminal)?;
     if address.is_none() && terminal.is_none() {
         return Err(BridgeError::NoTerminal);
     }
-    Ok(Listening {
-        address,
-        terminal,
-        connections,
-    })
+    Ok(Listening { address, terminal })
 }

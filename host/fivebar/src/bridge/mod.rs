@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `protocol` | from text to orders and answers, without input or output |
 //! | `connection` | a sender's connection: a thread each way |
-//! | `network`, `terminal` | senders over TCP and at a pseudo-terminal |
+//! | `network`, `terminal`, `console` | senders over TCP, at a pseudo-terminal and in a live page |
 //! | `sender` | the sender in control: its lines, and the answers to them |
 //! | `slot`, `events` | the slot of the sender in control: stops at once, lines in order |
 //! | `orders` | what each order of a line does |
@@ -19,6 +19,7 @@
 //! each exchange with the controller.
 
 mod connection;
+mod console;
 mod events;
 mod log;
 mod network;
@@ -128,14 +129,11 @@ pub fn bridge(
     let reading = Reading::new(robot, options)?;
     let (mut session, place) = controller::open(robot, source)?;
     let log = log_of(options, &session.settings)?;
-    let listening = connection::listen(options.address, options.dialect)?;
-    let mut slot = SenderSlot::new(&mut session, reading, listening.connections, note, log)
-        .map_err(OpenError::from)?;
-    ready(&Endpoints {
-        address: listening.address,
-        terminal: listening.terminal,
-        place,
-    });
+    let (desk, connections) = connection::desk(options.dialect);
+    let listening = connection::listen(options.address, &desk)?;
+    let mut slot =
+        SenderSlot::new(&mut session, reading, connections, note, log).map_err(OpenError::from)?;
+    ready(&listening.endpoints(&place));
     Ok(slot.run(&mut session, ends).map_err(OpenError::from)?)
 }
 

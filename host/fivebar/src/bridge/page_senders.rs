@@ -1,56 +1,96 @@
 //! Senders beside the live page: pages watch while one of them is in control.
 
+use super::connection::{Desk, Presence};
 use super::events::CLEARING;
 use super::protocol::RealTime;
-use super::slot::SenderSlot;
-use super::{BridgeError, BridgeOptions, Reading, connection};
-use crate::senders::{Endpoints, Senders};
+use super::slot::{Phase, SenderSlot, moves};
+use super::{BridgeError, BridgeOptions, Reading, connection, console};
+use crate::senders::{Console, Endpoints, Senders};
 use fivebar_files::robot::Robot;
 use fivebar_sim::controller::{OpenError, Session};
 use fivebar_sim::link::LinkError;
 use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Weak};
 use std::time::Instant;
 
 /// The sender slot of a page's server.
 pub(super) struct PageSenders {
     pub(super) slot: SenderSlot<'static>,
-    pub(super) endpoints: Endpoints,
+    pub(super) endpoints: Option<Endpoints>,
     pub(super) notes: Receiver<String>,
+    /// Where consoles ask for control.
+    pub(super) desk: Desk,
+    /// The console that was opened last.
+    pub(super) console: Weak<Presence>,
 }
 
-/// Listens for senders that may move the arm of this session. Its controller runs at `place`.
+/// Lets pages' consoles move the arm of this session and, if the options are given, listens for other senders. Its
+/// controller runs at `place`.
 ///
 /// # Errors
 /// The address or the terminal cannot be opened, the robot has no home pose, or the controller does
 /// not reply.
 pub(crate) fn listen(
     robot: &Robot,
-    options: &BridgeOptions,
+    options: Option<&BridgeOptions>,
     session: &mut Session,
     place: &str,
 ) -> Result<Box<dyn Senders>, BridgeError> {
-    let reading = Reading::new(robot, options)?;
-    let listening = connection::listen(options.address, options.dialect)?;
+    let consoles_only = BridgeOptions::at(None);
+    let reading = Reading::new(robot, options.unwrap_or(&consoles_only))?;
+    let (desk, connections) = connection::desk(reading.dialect);
+    let endpoints = options.map(|options| connection::listen(options.address, &desk));
+    let endpoints = endpoints.transpose()?;
     let (sender, notes) = mpsc::channel();
     // It fails only when the page's server has ended.
     let note = Box::new(move |text: &str| drop(sender.send(text.to_owned())));
-    let slot = SenderSlot::new(session, reading, listening.connections, note, None)
-        .map_err(OpenError::from)?;
-    let endpoints = Endpoints {
-        address: listening.address,
-        terminal: listening.terminal,
-        place: place.into(),
-    };
+    let slot =
+        SenderSlot::new(session, reading, connections, note, None).map_err(OpenError::from)?;
     Ok(Box::new(PageSenders {
         slot,
-        endpoints,
+        endpoints: endpoints.map(|listening| listening.endpoints(place)),
         notes,
+        desk,
+        console: Weak::new(),
     }))
 }
 
 impl Senders for PageSenders {
-    fn endpoints(&self) -> &Endpoints {
-        &self.endpoints
+    fn endpoints(&self) -> Option<&Endpoints> {
+        self.endpoints.as_ref()
+    }
+
+    fn open_console(&mut self) -> Console {
+        let (console, presence) = console::open(self.desk.clone());
+        self.console = Arc::downgrade(&presence);
+        console
+    }
+
+    fn is_console_in_control(&self) -> bool {
+        let sender = self.slot.sender.as_ref();
+        sender.is_some_and(|sender| {
+            Weak::ptr_eq(&Arc::downgrade(&sender.outlet.presence), &self.console)
+        })
+    }
+
+    fn release_console(&mut self, session: &Session) -> bool {
+        if !self.is_console_in_control() {
+            return true;
+        }
+        let waits = self.slot.phase == Phase::Ready
+            && (!self.slot.path.queue.is_empty()
+                || self
+                    .slot
+                    .sender
+                    .as_ref()
+                    .is_some_and(|sender| !sender.has_no_lines()));
+        if waits || moves(&session.status) {
+            return false;
+        }
+        self.slot.sender = None;
+        self.slot.drop_path(session);
+        self.slot.phase = Phase::Ready;
+        true
     }
 
     fn serve(&mut self, session: &mut Session, admits: bool) -> Result<bool, LinkError> {

@@ -164,7 +164,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let options = ServeOptions {
         address: args.listen,
         guard,
-        senders: args.senders.map(senders_at),
+        senders: senders(args.senders),
         time_optimal: args.time_optimal.then_some(args.torque_share),
     };
     let served = serve(&robot, source, options, ready, ends);
@@ -175,11 +175,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     })
 }
 
-/// Senders connect to the bridge, over TCP if an address is given.
-fn senders_at(address: Option<SocketAddr>) -> Listen {
-    let options = BridgeOptions::at(address);
+/// Consoles of pages are senders; others connect to the bridge if they are asked for, over TCP if an address is
+/// given.
+fn senders(others: Option<Option<SocketAddr>>) -> Listen {
+    let options = others.map(BridgeOptions::at);
     Box::new(move |robot, session, place| {
-        bridge::listen(robot, &options, session, place).map_err(Into::into)
+        bridge::listen(robot, options.as_ref(), session, place).map_err(Into::into)
     })
 }
 

@@ -13,7 +13,7 @@ use super::move_feeder::{JobStatus, MoveFeeder};
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
 use super::updates::Updates;
-use crate::senders::Senders;
+use crate::senders::{Console, Senders};
 use fivebar_files::robot::Robot;
 use fivebar_firmware::Status;
 use fivebar_firmware::planner::MoveErrorKind;
@@ -43,7 +43,9 @@ const MOST_POSITIONS: usize = 32;
 pub(super) struct ControllerThread {
     pub(super) session: Session,
     /// Senders of G-code, one of which may be in control of the controller.
-    pub(super) senders: Option<Box<dyn Senders>>,
+    pub(super) senders: Box<dyn Senders>,
+    /// The page with a console, and the console.
+    pub(super) console: Option<(PageId, Console)>,
     pub(super) pages: ControllerEnd,
     pub(super) updates: Updates,
     pub(super) preview: Preview,
@@ -81,7 +83,7 @@ impl ControllerThread {
     /// Starts the controller's telemetry.
     pub(super) fn new(
         mut session: Session,
-        senders: Option<Box<dyn Senders>>,
+        senders: Box<dyn Senders>,
         robot: Robot,
         planner: Option<JobPlanner>,
         pages: ControllerEnd,
@@ -98,6 +100,7 @@ impl ControllerThread {
         Ok(Self {
             session,
             senders,
+            console: None,
             pages,
             updates,
             jobs: JobThread::start(robot, preview.clone(), planner),
@@ -156,11 +159,10 @@ impl ControllerThread {
     /// Serves the sender in control; returns whether there is one.
     fn serve_senders(&mut self) -> Result<bool, LinkError> {
         let admits = self.rests() && !self.feeder.is_running();
-        let Some(senders) = &mut self.senders else {
-            return Ok(false);
-        };
-        let is_in_control = senders.serve(&mut self.session, admits)?;
-        let notes: Vec<_> = iter::from_fn(|| senders.take_note()).collect();
+        self.drop_console_of_a_lost_page();
+        let is_in_control = self.senders.serve(&mut self.session, admits)?;
+        self.pass_on_answers();
+        let notes: Vec<_> = iter::from_fn(|| self.senders.take_note()).collect();
         for note in notes {
             self.notice(&note);
         }
@@ -169,8 +171,7 @@ impl ControllerThread {
 
     /// Whether a sender is in control.
     pub(super) fn is_sender_in_control(&self) -> bool {
-        let senders = self.senders.as_ref();
-        senders.is_some_and(|senders| senders.is_in_control())
+        self.senders.is_in_control()
     }
 
     /// Handles what pages ask for, up to a request for which the controller was asked.
@@ -315,6 +316,7 @@ impl ControllerThread {
             modes: self.modes.reachable(),
             trail: &self.trail,
             sender: self.is_sender_in_control(),
+            console: self.console_in_control(),
             control: lease.holder(),
             alive: lease.is_alive(now),
             progress: self.feeder.progress(tick_rate),

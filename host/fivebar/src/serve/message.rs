@@ -54,6 +54,8 @@ pub(super) enum ClientRequest {
     },
     /// Put the pen down or lift it, where the arm rests.
     Pen(PenPosition),
+    /// Send a line of G-code, or a command of Grbl.
+    Console(String),
     /// Change to this working mode (the sides of elbows 1 and 4) with the same position of
     /// the tool.
     Mode([Side; 2]),
@@ -158,6 +160,13 @@ pub(super) enum ServerMessage<'a> {
         /// The sentence.
         text: String,
     },
+    /// Answers to the lines of a page's console.
+    Console {
+        /// The page.
+        to: PageId,
+        /// The answers.
+        text: String,
+    },
     /// The controller has accepted a stop.
     Stopped(Stop),
     /// The state of a guided commissioning.
@@ -188,6 +197,8 @@ pub(super) struct StateMessage<'a> {
     pub(super) trail: &'a [[f32; 3]],
     /// Whether a sender of G-code is in control; pages watch then.
     pub(super) sender: bool,
+    /// The page whose console is the sender in control.
+    pub(super) console: Option<PageId>,
     /// The page in control.
     pub(super) control: Option<PageId>,
     /// Whether that page is alive.
@@ -271,7 +282,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 16];
+        let mut seen = [false; 17];
         for example in examples.lines() {
             let kind = match serde_json::from_str(example).expect(example) {
                 ClientRequest::Alive => 0,
@@ -289,11 +300,12 @@ mod tests {
                 ClientRequest::Feed(_) => 12,
                 ClientRequest::Place(_) => 13,
                 ClientRequest::Pen(_) => 14,
+                ClientRequest::Console(_) => 16,
                 ClientRequest::Hold(_) | ClientRequest::HoldJoint { .. } => 15,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 16]);
+        assert_eq!(seen, [true; 17]);
     }
 
     #[test]
@@ -309,6 +321,7 @@ mod tests {
             modes: None,
             trail: &[],
             sender: false,
+            console: None,
             control: None,
             alive: false,
             progress: None,

@@ -27,6 +27,7 @@
 //! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
 //! | `mode_thread` | the thread that plans changes of the working mode |
 //! | `preview`, `strokes` | the arm and its jobs as lines to draw |
+//! | `console` | the page whose console sends G-code |
 //! | `stop_signal`, `stops` | stops, on a path past every queue; what they do |
 //! | `lease` | which page is in control, and whether it is alive |
 //! | `channels` | what else passes between pages and controller |
@@ -43,6 +44,7 @@ mod arm;
 mod backlog;
 mod channels;
 pub(super) mod commission;
+mod console;
 mod controller_thread;
 mod frame_meter;
 mod guard;
@@ -71,7 +73,7 @@ mod web;
 
 pub use guard::Guard;
 
-use crate::senders::{Endpoints, Listen, Senders, SendersError};
+use crate::senders::{Endpoints, Listen, SendersError};
 use controller_thread::ControllerThread;
 use fivebar_design::workspace::GridError;
 use fivebar_files::robot::{HomeError, Robot, WorkspaceError};
@@ -133,8 +135,8 @@ pub struct ServeOptions {
     pub address: SocketAddr,
     /// Which requests are served.
     pub guard: Guard,
-    /// Listens for senders of G-code, if they may move the arm.
-    pub senders: Option<Listen>,
+    /// Listens for senders of G-code, of which pages' consoles are some.
+    pub senders: Listen,
     /// Run jobs as time-optimal motions with this share of the torque limits, 0 to 1; none: the
     /// controller plans them.
     pub time_optimal: Option<f64>,
@@ -164,10 +166,8 @@ pub fn serve(
     let (mut session, place) = open(robot, source)?;
     let arm = arm::describe(robot, &place)?;
     let maps = maps::describe(robot, session.settings.assembly())?;
-    let senders = options
-        .senders
-        .map(|listen| listen(robot, &mut session, &place));
-    let senders = senders.transpose().map_err(ServeError::Senders)?;
+    let senders = (options.senders)(robot, &mut session, &place);
+    let senders = senders.map_err(ServeError::Senders)?;
     let (pages, controller_end, to_pages) = channels::channels();
     let updates = Updates::start(to_pages);
     let thread = ControllerThread::new(
@@ -178,8 +178,7 @@ pub fn serve(
         controller_end,
         updates,
     )?;
-    let endpoints = thread.senders.as_deref().map(Senders::endpoints);
-    ready(listener.local_addr()?, endpoints);
+    ready(listener.local_addr()?, thread.senders.endpoints());
     let site = web::Site {
         guard: options.guard,
         pages,

@@ -8,6 +8,7 @@ use super::message::{ClientRequest, ControllerRequest, DrivenJoint, PenPosition}
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
 use super::stop_signal::Stop;
+use crate::senders::Endpoints;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
@@ -43,6 +44,7 @@ impl ClientRequest {
             | Self::HoldJoint { .. }
             | Self::Pen(_)
             | Self::Mode(_)
+            | Self::Console(_)
             | Self::Run
             | Self::RunFrom(_)
             | Self::Resume => true,
@@ -75,8 +77,8 @@ impl ControllerThread {
                     let lease = &self.pages.shared.lease;
                     lease.acquire(&page, received, now, false);
                 }
-                let senders = self.senders.as_ref();
-                if let Some(warning) = senders.and_then(|senders| senders.endpoints().warning()) {
+                let endpoints = self.senders.endpoints();
+                if let Some(warning) = endpoints.and_then(Endpoints::warning) {
                     self.refuse(Some(page.id), warning);
                 }
                 Ok(())
@@ -89,9 +91,13 @@ impl ControllerThread {
                 if stops < self.pages.shared.stop.count() && request.ends_with_a_stop() {
                     return Ok(false);
                 }
-                if self.is_sender_in_control() && !matches!(request, ClientRequest::Alive) {
-                    let why = "A sender of G-code is in control: disconnect it first.";
-                    self.report(&page, Err(why.into()));
+                let excludes_senders = match request {
+                    ClientRequest::Alive | ClientRequest::Console(_) => false,
+                    ClientRequest::Control => true,
+                    _ => in_control,
+                };
+                if excludes_senders && let Err(why) = self.take_control_from_senders() {
+                    self.report(&page, Err(why));
                     return Ok(false);
                 }
                 if let ClientRequest::Request(wanted) = request
@@ -127,6 +133,7 @@ impl ControllerThread {
             _ if !in_control => Err("This page watches: take control first.".into()),
             // `handle_event` has asked the controller.
             ClientRequest::Request(_) => Ok(()),
+            ClientRequest::Console(line) => self.send_to_console(page.id, line),
             ClientRequest::RunOn(on) => {
                 self.run_on = on;
                 Ok(())

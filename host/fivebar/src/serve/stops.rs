@@ -30,11 +30,10 @@ impl ControllerThread {
     /// confirms it to the pages. They ask again until it is confirmed.
     fn emergency_stop(&mut self) -> Result<(), LinkError> {
         let refusal = self.session.request(Request::EmergencyStop)?.err();
-        match &mut self.senders {
-            Some(senders) if senders.is_in_control() => {
-                senders.emergency_stop(&mut self.session)?;
-            }
-            _ => self.drop_what_pages_asked_for(),
+        if self.senders.is_in_control() {
+            self.senders.emergency_stop(&mut self.session)?;
+        } else {
+            self.drop_what_pages_asked_for();
         }
         let (status, _) = self.session.client.status()?;
         match refusal {
@@ -46,10 +45,8 @@ impl ControllerThread {
     }
 
     fn stop_on_path(&mut self, page: PageId) -> Result<(), LinkError> {
-        if let Some(senders) = &mut self.senders
-            && senders.is_in_control()
-        {
-            return senders.hold(&mut self.session);
+        if self.senders.is_in_control() {
+            return self.senders.hold(&mut self.session);
         }
         self.drop_what_pages_asked_for();
         match self.session.request(Request::Stop)? {

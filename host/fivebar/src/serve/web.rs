@@ -33,7 +33,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 23] = [
+const ASSETS: [Asset; 24] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -55,6 +55,7 @@ const ASSETS: [Asset; 23] = [
     ("/clicks.js", SCRIPT, include_str!("page/clicks.js")),
     ("/clock.js", SCRIPT, include_str!("page/clock.js")),
     ("/colour.js", SCRIPT, include_str!("page/colour.js")),
+    ("/console.js", SCRIPT, include_str!("page/console.js")),
     ("/connection.js", SCRIPT, include_str!("page/connection.js")),
     ("/drawing.js", SCRIPT, include_str!("page/drawing.js")),
     ("/drag.js", SCRIPT, include_str!("page/drag.js")),

@@ -148,7 +148,10 @@ fn a_page_that_joins_gets_the_job_without_the_others_getting_it_again() {
     page.take_control_and_arm();
     page.send(&json!({ "load": { "name": "square", "text": "G21 F600\nG1 X20\n" } }));
     let has_job = |message: &serde_json::Value| message.get("job").is_some();
-    page.wait("the job", |message| has_job(message).then_some(()));
+    // Its time comes behind it.
+    page.wait("the job's time", |message| {
+        message.get("job")?.get("time")?.as_f64()
+    });
     let mut joining = server.page();
     joining.wait("the job", |message| has_job(message).then_some(()));
     let start = Instant::now();

@@ -3,6 +3,7 @@
 #![cfg(target_os = "linux")]
 
 mod commission;
+mod console;
 mod crossing;
 mod held_motion;
 mod hostile;

@@ -128,11 +128,12 @@ fn who_is_refused_or_finds_nobody_gets_no_control() {
 #[test]
 #[cfg(unix)]
 fn senders_reach_the_terminal_without_an_address() {
-    let listening = listen(None, None).unwrap();
-    assert!(listening.address.is_none() && listening.terminal.is_some());
-    let here = Some("127.0.0.1:0".parse().unwrap());
-    let listening = listen(here, None).unwrap();
-    assert!(listening.address.unwrap().port() != 0);
+    let (desk, _connections) = desk(None);
+    let reached = |address| listen(address, &desk).unwrap().endpoints("here");
+    let terminal = reached(None);
+    assert!(terminal.address.is_none() && terminal.terminal.is_some());
+    let both = reached(Some("127.0.0.1:0".parse().unwrap()));
+    assert!(both.address.unwrap().port() != 0);
 }
 
 #[test]

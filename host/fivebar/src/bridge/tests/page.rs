@@ -6,11 +6,13 @@ use crate::bridge::slot::Phase;
 use crate::senders::{Endpoints, Senders as _};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_sim::controller::Session;
+use std::sync::Weak;
 
 /// The slot of a rig with a homed arm, and its sender, which is in control and draws.
 fn drawing() -> (PageSenders, Session, Caller) {
     let mut rig = Rig::homed();
     let sender = rig.drawing();
+    let desk = rig.desk.clone();
     let (slot, session, notes) = rig.into_parts();
     let endpoints = Endpoints {
         address: None,
@@ -19,8 +21,10 @@ fn drawing() -> (PageSenders, Session, Caller) {
     };
     let senders = PageSenders {
         slot,
-        endpoints,
+        endpoints: Some(endpoints),
         notes,
+        desk,
+        console: Weak::new(),
     };
     (senders, session, sender)
 }
@@ -55,7 +59,8 @@ fn after_a_pages_emergency_stop_the_sender_waits_before_it_clears_it() {
 #[test]
 fn a_page_learns_who_is_in_control_and_what_senders_do() {
     let (mut senders, mut session, sender) = drawing();
-    assert_eq!(senders.endpoints().terminal.as_deref(), Some("/dev/pts/7"));
+    let endpoints = senders.endpoints().expect("endpoints");
+    assert_eq!(endpoints.terminal.as_deref(), Some("/dev/pts/7"));
     assert!(senders.is_in_control());
     assert!(senders.serve(&mut session, false).unwrap());
     let note = senders.take_note();
@@ -73,16 +78,14 @@ fn a_sender_is_admitted_when_the_page_says_so() {
     for admits in [false, true] {
         let rig = Rig::homed();
         let sender = rig.call();
+        let desk = rig.desk.clone();
         let (slot, mut session, notes) = rig.into_parts();
-        let endpoints = Endpoints {
-            address: None,
-            terminal: None,
-            place: String::new(),
-        };
         let mut senders = PageSenders {
             slot,
-            endpoints,
+            endpoints: None,
             notes,
+            desk,
+            console: Weak::new(),
         };
         while !sender.is_closed() && !senders.is_in_control() {
             let served = senders.serve(&mut session, admits).unwrap();

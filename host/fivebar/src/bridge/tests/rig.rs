@@ -25,7 +25,7 @@ pub(super) struct Rig {
     pub(super) session: Session,
     pub(super) slot: SenderSlot<'static>,
     notes: Receiver<String>,
-    desk: Desk,
+    pub(super) desk: Desk,
     relay: Arc<Relay>,
 }
 

@@ -1,5 +1,6 @@
 // The page: shows the server's messages, and sends what the user does as requests.
 import { ClickGuard } from "./clicks.js";
+import { Console } from "./console.js";
 import { Drawing } from "./drawing.js";
 import { DragHandler } from "./drag.js";
 import { alarm, connection } from "./emergency.js";
@@ -58,6 +59,7 @@ function receive(message) {
   }
   if (message.state) showState(message.state);
   if (message.notice && (message.notice.to ?? me) === me) showNotice(message.notice.text, message.notice.refused);
+  if (message.console?.to === me) terminal.answer(message.console.text);
   if ("fault" in message) {
     fault = message.fault;
     showFault(fault);
@@ -96,6 +98,8 @@ function showStateText(state, text) {
 
 function showState(state) {
   last = state;
+  // This page's own console gives way to what the page asks for.
+  if (state.console === me) state.sender = false;
   const watching = state.control !== me;
   showStateText(state.state, stateText(state, watching));
   document.body.classList.toggle("watching", watching);
@@ -133,7 +137,7 @@ function nameOf(control) {
 }
 
 // The controls that move the arm, or power its motors.
-const MOVING = ["home", "arm", "clear_fault", "control", "run", "run-from", "resume", "jog", "pen", "change"];
+const MOVING = ["home", "arm", "clear_fault", "control", "run", "run-from", "resume", "jog", "pen", "change", "send"];
 const controls = [...document.querySelectorAll("#panel button:not([data-mode])")];
 const modes = [...document.querySelectorAll("[data-mode]")];
 const controlOf = (name) => document.querySelector(`[data-request="${name}"]`) ?? at(name);
@@ -250,6 +254,14 @@ function motionOf(button, event) {
 
 const hold = new Hold(motionOf, stop);
 
+const terminal = new Console((line) => {
+  const why = whyNot("send", last, loaded);
+  if (last?.control !== me && last) showNotice("This page watches: take control first.", true);
+  else if (why !== null) showNotice(`Not now: ${why}.`, true);
+  else send({ console: line });
+  return why === null && last.control === me;
+});
+
 // Moves the drawing, and scales and turns it about its middle.
 function place([x, y], scale, degrees) {
   const box = drawing.jobBox;
@@ -272,6 +284,7 @@ const ACTIONS = {
   resume: () => send("resume"),
   "run-from": () => send({ run_from: Math.max(1, Math.round(Number(at("from").value))) }),
   change: () => send({ mode: chosen.split(",") }),
+  send: () => terminal.send(),
   grab: () => setGrab(!drawing.grabs),
   demonstration: async () => {
     const answer = await fetch("demonstration.gcode");

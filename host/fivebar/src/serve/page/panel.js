@@ -54,6 +54,7 @@ export function whyNot(control, state, job) {
       return isJob ? "a job runs" : armed || running ? null : `the state is “${word(state)}”`;
     case "pen":
       return isJob ? "a job runs" : armed ? null : running ? "the arm moves" : "the motors are off";
+    case "send": return isJob ? "a job runs" : null;
     case "resume": return state.held === null ? "no job was stopped" : armed ? null : "the motors are off";
     case "run": case "run-from":
       if (isJob) return "a job runs";

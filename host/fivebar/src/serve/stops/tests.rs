@@ -1,4 +1,4 @@
-use crate::senders::{Endpoints, Senders};
+use crate::senders::{Console, Endpoints, Senders};
 use crate::serve::channels::{WebEnd, channels};
 use crate::serve::controller_thread::ControllerThread;
 use crate::serve::message::ServerMessage;
@@ -23,8 +23,20 @@ struct Noted {
 }
 
 impl Senders for Noted {
-    fn endpoints(&self) -> &Endpoints {
-        unreachable!("no page asks where senders connect")
+    fn endpoints(&self) -> Option<&Endpoints> {
+        None
+    }
+
+    fn open_console(&mut self) -> Console {
+        unreachable!("no page opens a console")
+    }
+
+    fn is_console_in_control(&self) -> bool {
+        false
+    }
+
+    fn release_console(&mut self, _: &Session) -> bool {
+        true
     }
 
     fn serve(&mut self, _: &mut Session, _: bool) -> Result<bool, LinkError> {
@@ -61,17 +73,14 @@ struct Rig {
 
 impl Rig {
     /// Page 7 is the one that asks.
-    fn new(is_sender_in_control: Option<bool>) -> Self {
+    fn new(is_in_control: bool) -> Self {
         let session = test_session::homed();
         let (web, controller, pages) = channels();
         let notices = web.notices.subscribe();
         let asked = Arc::<Mutex<Vec<_>>>::default();
-        let senders = is_sender_in_control.map(|is_in_control| {
-            let asked = Arc::clone(&asked);
-            Box::new(Noted {
-                is_in_control,
-                asked,
-            }) as Box<dyn Senders>
+        let senders = Box::new(Noted {
+            is_in_control,
+            asked: Arc::clone(&asked),
         });
         let updates = Updates::start(pages);
         let thread = ControllerThread::new(session, senders, robot(), None, controller, updates);
@@ -85,7 +94,7 @@ impl Rig {
 
     /// An armed arm on its way to a target, which more requests of a page follow.
     fn moving() -> Self {
-        let mut rig = Self::new(None);
+        let mut rig = Self::new(false);
         rig.arm();
         let [x, y] = rig.thread.session.status.reference.unwrap();
         for left in [0.02, 0.01] {
@@ -152,20 +161,20 @@ fn an_emergency_stop_is_latched_and_confirmed_and_drops_what_pages_want() {
     assert_eq!(rig.stop(Stop::Emergency), confirmed(Stop::Emergency));
     assert_eq!(rig.state(), (State::Fault, Some(Fault::EmergencyStop)));
     assert!(rig.wants_nothing());
-    let mut off = Rig::new(None);
+    let mut off = Rig::new(false);
     assert_eq!(off.stop(Stop::Emergency), confirmed(Stop::Emergency));
     assert_eq!(off.state().1, Some(Fault::EmergencyStop), "bridges are off");
 }
 
 #[test]
 fn an_emergency_stop_reaches_the_sender_in_control_and_no_other() {
-    let mut rig = Rig::new(Some(true));
+    let mut rig = Rig::new(true);
     // This sender's stop clears the fault, which is then not confirmed.
     let notices = rig.stop(Stop::Emergency);
     assert_eq!(*rig.asked.lock().unwrap(), ["emergency stop"]);
     assert_eq!(notices.len(), 1);
     assert!(notices[0].0.is_none() && notices[0].1.contains("No fault is latched."));
-    let mut rig = Rig::new(Some(false));
+    let mut rig = Rig::new(false);
     assert_eq!(rig.stop(Stop::Emergency), confirmed(Stop::Emergency));
     assert!(rig.asked.lock().unwrap().is_empty());
 }
@@ -175,7 +184,7 @@ fn a_stop_on_the_path_is_confirmed_to_all_or_refused_to_its_page() {
     let mut rig = Rig::moving();
     assert_eq!(rig.stop(Stop::OnPath), confirmed(Stop::OnPath));
     assert!(rig.wants_nothing());
-    let mut off = Rig::new(None);
+    let mut off = Rig::new(false);
     off.stop(Stop::Emergency);
     let notices = off.stop(Stop::OnPath);
     assert_eq!(notices.len(), 1);
@@ -188,10 +197,10 @@ fn a_stop_on_the_path_is_confirmed_to_all_or_refused_to_its_page() {
 
 #[test]
 fn a_stop_on_the_path_holds_the_sender_in_control_and_no_other() {
-    let mut rig = Rig::new(Some(true));
+    let mut rig = Rig::new(true);
     assert_eq!(rig.stop(Stop::OnPath), []);
     assert_eq!(*rig.asked.lock().unwrap(), ["hold"]);
-    let mut rig = Rig::new(Some(false));
+    let mut rig = Rig::new(false);
     rig.arm();
     assert_eq!(rig.stop(Stop::OnPath), confirmed(Stop::OnPath));
     assert!(rig.asked.lock().unwrap().is_empty());
@@ -231,7 +240,7 @@ fn without_a_request_nothing_stops() {
 #[test]
 fn an_arm_rests_in_three_states() {
     use State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
-    let mut rig = Rig::new(None);
+    let mut rig = Rig::new(false);
     for state in [
         Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping,
     ] {
