@@ -20,6 +20,7 @@ import looks
 import moving
 import owning
 import reach
+import runs
 import senders
 import stopping
 import watching
@@ -48,6 +49,8 @@ def main():
         passed("motion while a button, a finger or a key is held")
         consoles.check(page)
         passed("console")
+        runs.check(page)
+        passed("layers, strokes by error and speed, replay")
         stopping.check(page, server)
         passed("stops from every control, double clicks, held keys, while the page loads")
         looks.check(page)

@@ -12,7 +12,7 @@ use fivebar_firmware::{CrossingMove, Move, MoveKind, TimedMove};
 use pieces::{NEGLIGIBLE, distance};
 use std::collections::VecDeque;
 
-pub use pieces::{divided, duration, remaining};
+pub use pieces::{divided, duration, length, remaining};
 pub use shares::{RAPID, Shares};
 
 /// Time of path behind the present move that the controller gets [s]. What waits longer here still

@@ -160,6 +160,20 @@ pub fn duration(from: Option<[f32; 2]>, next: &Move) -> f64 {
     }
 }
 
+/// The length of a move along its path [m]; 0 where its way is not known, and for moves of other kinds than lines and
+/// arcs.
+pub fn length(from: Option<[f32; 2]>, next: &Move) -> f64 {
+    match next.kind {
+        MoveKind::Line { feed, .. } | MoveKind::Arc { feed, .. } => {
+            duration(from, next) * f64::from(feed)
+        }
+        MoveKind::Dwell { .. }
+        | MoveKind::Joint { .. }
+        | MoveKind::Timed(_)
+        | MoveKind::Crossing(_) => 0.0,
+    }
+}
+
 /// A timed move at a share of its speed.
 pub(super) fn slowed(timed: &TimedMove, share: f32) -> TimedMove {
     let [s, s_dot, s_ddot, jerk] = timed.law;

@@ -12,6 +12,7 @@ use super::mode_thread::ModeThread;
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
+use super::trail::Trail;
 use super::updates::Updates;
 use crate::senders::{Console, Senders};
 use fivebar_files::robot::Robot;
@@ -36,9 +37,6 @@ const SAMPLES_STEPPED: f32 = 200.0;
 /// Events of pages that are handled before the controller gets its next sign of life. Without a limit
 /// the arm of a silent page rested after 0.66 to 0.70 s under floods, with it after 0.50 to 0.59 s.
 const EVENTS_PER_CYCLE: usize = 64;
-/// Positions of the tool in one state.
-const MOST_POSITIONS: usize = 32;
-
 /// One controller and the pages that show it.
 pub(super) struct ControllerThread {
     pub(super) session: Session,
@@ -52,8 +50,7 @@ pub(super) struct ControllerThread {
     /// The page that was in control when the feeder got its moves.
     controlled_by: Option<PageId>,
     pub(super) feeder: MoveFeeder,
-    /// Where the tool was since the last state [m], and its level there.
-    trail: Vec<[f32; 3]>,
+    trail: Trail,
     /// The fault last sent to all pages, or that there is none; `None` before the first.
     sent_fault: Option<Option<Fault>>,
     pub(super) jobs: JobThread,
@@ -109,7 +106,7 @@ impl ControllerThread {
             preview,
             controlled_by: None,
             feeder: MoveFeeder::default(),
-            trail: Vec::new(),
+            trail: Trail::default(),
             sent_fault: None,
             loaded: None,
             run_asked_by: None,
@@ -275,9 +272,8 @@ impl ControllerThread {
 
     /// Notes where the tool is, for the drawing.
     fn note_position(&mut self, status: &Status) {
-        if let Some([x, y]) = status.tool.filter(|_| self.trail.len() < MOST_POSITIONS) {
-            self.trail.push([x, y, status.tool_level]);
-        }
+        self.trail
+            .note(status, self.session.settings.control.tick_rate);
     }
 
     fn send_state(&mut self) -> Result<(), LinkError> {
@@ -314,7 +310,7 @@ impl ControllerThread {
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.preview.branch(&pose).elbows),
             modes: self.modes.reachable(),
-            trail: &self.trail,
+            trail: self.trail.points(),
             sender: self.is_sender_in_control(),
             console: self.console_in_control(),
             control: lease.holder(),

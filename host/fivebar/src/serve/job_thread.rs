@@ -262,6 +262,7 @@ impl Workshop {
         };
         let mut message = self.preview.job(&job.name, &job.job, &job.moves, start);
         message.refusal = message.refusal.or(refusal);
+        message.layers = job.layers();
         let job = match &self.planner {
             Some(planner) if message.refusal.is_none() => {
                 match job.planned(planner, &self.preview, start) {

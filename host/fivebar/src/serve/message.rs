@@ -193,8 +193,8 @@ pub(super) struct StateMessage<'a> {
     /// The working modes to which the arm can change from where it rests; none while it moves and
     /// until the paths are planned.
     pub(super) modes: Option<Vec<[Side; 2]>>,
-    /// Where the tool was since the state before [m], and its level there.
-    pub(super) trail: &'a [[f32; 3]],
+    /// Where the tool was since the state before [m], its level there, its error [m] and speed [m/s].
+    pub(super) trail: &'a [[f32; 5]],
     /// Whether a sender of G-code is in control; pages watch then.
     pub(super) sender: bool,
     /// The page whose console is the sender in control.
@@ -234,6 +234,8 @@ pub(super) struct JobMessage {
     pub(super) moves: usize,
     /// The time that it takes by the controller's plan [s]; none while that is not known.
     pub(super) time: Option<f64>,
+    /// Its parts between pen changes and other pauses; empty if there is one.
+    pub(super) layers: Vec<Layer>,
     /// Its path.
     pub(super) strokes: Vec<Stroke>,
     /// What of it is skipped, and how it is read where that is not certain.
@@ -242,6 +244,17 @@ pub(super) struct JobMessage {
     pub(super) refusal: Option<String>,
     /// The position at which it is refused [m].
     pub(super) at: Option<[f32; 2]>,
+}
+
+/// A part of a job between two pauses.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Layer {
+    /// What its user is to do before it, such as the layer or the colour of a pen.
+    pub(super) name: String,
+    /// The number of its strokes.
+    pub(super) strokes: usize,
+    /// Their length [m].
+    pub(super) length: f64,
 }
 
 /// A part of the path.

@@ -26,7 +26,7 @@
 //! | `requests`, `job_requests`, `held_motion` | what each request of a page does; refusals as sentences |
 //! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
 //! | `mode_thread` | the thread that plans changes of the working mode |
-//! | `preview`, `strokes` | the arm and its jobs as lines to draw |
+//! | `preview`, `strokes`, `trail` | the arm, its jobs and what it draws as lines |
 //! | `console` | the page whose console sends G-code |
 //! | `stop_signal`, `stops` | stops, on a path past every queue; what they do |
 //! | `lease` | which page is in control, and whether it is alive |
@@ -68,6 +68,7 @@ mod socket;
 mod stop_signal;
 mod stops;
 mod strokes;
+mod trail;
 mod updates;
 mod web;
 

@@ -1,12 +1,16 @@
 //! A job that was read: its moves, and what the controller gets of them.
 
+use super::message::{Layer, brief};
 use super::preview::{JobStart, Preview};
 use fivebar_files::job::{Job, Pause};
 use fivebar_firmware::Move;
-use fivebar_sim::path_queue::{divided, duration, end, remaining};
+use fivebar_sim::path_queue::{divided, duration, end, length, remaining};
 use fivebar_sim::planned_time::planned_times;
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::Arc;
+
+/// Most layers that pages show.
+const MOST_LAYERS: usize = 100;
 
 /// A job that was read. Copies share what is long.
 #[derive(Clone)]
@@ -68,6 +72,39 @@ impl ParsedJob {
             is_timed: true,
             ..self.clone()
         })
+    }
+
+    /// The parts between its pauses; none if it has no pause.
+    pub(super) fn layers(&self) -> Vec<Layer> {
+        if self.pauses.is_empty() {
+            return Vec::new();
+        }
+        let first = self.job.stops.iter().find(|stop| stop.before == 0);
+        let first = first.map_or_else(|| "The beginning".into(), ToString::to_string);
+        let names = std::iter::once(first).chain(self.pauses.iter().map(|it| it.text.clone()));
+        let ends = self.pauses.iter().map(|pause| pause.before);
+        let ends = ends.chain([self.parts.len()]);
+        let (mut begins, mut place) = (0, None);
+        let layers = names.zip(ends).take(MOST_LAYERS).map(|(name, ends)| {
+            let mut layer = Layer {
+                name: brief(name),
+                strokes: 0,
+                length: 0.0,
+            };
+            let mut was_down = false;
+            for next in &self.parts[begins..ends] {
+                let is_down = next.tool > 0;
+                if is_down {
+                    layer.strokes += usize::from(!was_down);
+                    layer.length += length(place, next);
+                }
+                was_down = is_down;
+                place = end(next).or(place);
+            }
+            begins = ends;
+            layer
+        });
+        layers.collect()
     }
 
     /// The planned time of the job [s].

@@ -33,7 +33,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 24] = [
+const ASSETS: [Asset; 26] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -67,6 +67,8 @@ const ASSETS: [Asset; 24] = [
     ("/map.js", SCRIPT, include_str!("page/map.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),
+    ("/recording.js", SCRIPT, include_str!("page/recording.js")),
+    ("/replay.js", SCRIPT, include_str!("page/replay.js")),
     ("/regions.js", SCRIPT, include_str!("page/regions.js")),
     ("/tabs.js", SCRIPT, include_str!("page/tabs.js")),
     (

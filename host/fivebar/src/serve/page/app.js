@@ -1,5 +1,6 @@
 // The page: shows the server's messages, and sends what the user does as requests.
 import { ClickGuard } from "./clicks.js";
+import { colour } from "./colour.js";
 import { Console } from "./console.js";
 import { Drawing } from "./drawing.js";
 import { DragHandler } from "./drag.js";
@@ -10,6 +11,8 @@ import { listen } from "./keys.js";
 import { WorkspaceMap } from "./map.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
 import { Plot } from "./plots.js";
+import { LABELS, Recording } from "./recording.js";
+import { Replay } from "./replay.js";
 import { listenToTabs, show as showTabOf } from "./tabs.js";
 
 const DEGREE = Math.PI / 180;
@@ -35,6 +38,8 @@ const plots = {
   torque: new Plot(at("torque"), "torque [N·m]", ["joint 1", "joint 4"], ["--one", "--four"]),
   current: new Plot(at("current"), "current [A]", ["joint 1", "joint 4"], ["--one", "--four"]),
 };
+const recording = new Recording();
+const replay = new Replay(recording, drawing, redraw);
 let me = null; // this page's number
 let elbows = null; // the sides of the arm's elbows
 let chosen = null; // the branch whose map is shown
@@ -124,6 +129,8 @@ function showState(state) {
   plots.torque.add(state.time, state.torque);
   plots.current.add(state.time, state.current);
   drawing.show(state);
+  recording.follow(state);
+  replay.follow(state);
   redraw();
 }
 
@@ -181,7 +188,25 @@ function setMap(on) {
   redraw();
 }
 
+// Colours the strokes by error or speed, or with one colour.
+function setColouring(how) {
+  drawing.colouring = how;
+  for (const button of document.querySelectorAll("[data-colouring]")) {
+    button.setAttribute("aria-pressed", button.dataset.colouring === how);
+  }
+  at("scale").hidden = how === "pen";
+  put("scale-name", how === "error" ? "tip error from [µm]" : "speed from [mm/s]");
+  showLegend();
+  redraw();
+}
+
 function showLegend() {
+  at("steps").replaceChildren(...LABELS.map((label, i) => {
+    const step = document.createElement("span");
+    step.textContent = label;
+    step.style.borderColor = colour(`--step${i}`);
+    return step;
+  }));
   at("ramp").replaceChildren(...map.legend.map((background) => {
     const step = document.createElement("i");
     step.style.background = background;
@@ -285,6 +310,8 @@ const ACTIONS = {
   "run-from": () => send({ run_from: Math.max(1, Math.round(Number(at("from").value))) }),
   change: () => send({ mode: chosen.split(",") }),
   send: () => terminal.send(),
+  play: () => replay.play(),
+  live: () => replay.end(),
   grab: () => setGrab(!drawing.grabs),
   demonstration: async () => {
     const answer = await fetch("demonstration.gcode");
@@ -301,13 +328,14 @@ function zoom(how) {
 }
 
 function act(button, event) {
-  const { request, jog: direction, turn, pen, place: where, zoom: how, mode } = button.dataset;
+  const { request, jog: direction, turn, pen, place: where, zoom: how, mode, colouring } = button.dataset;
   const name = nameOf(button);
   const isMeant = clicks.admits(name, button, event);
   // What this page last received keeps no stop back.
   if (request === "stop") return stop();
   if (how) return zoom(how);
   if (mode) return chooseBranch(mode);
+  if (colouring) return setColouring(colouring);
   if (!isMeant && MOVING.includes(name)) return showNotice(NOT_MEANT, true);
   const why = button.closest("#panel") ? whyNot(name, last, loaded) : null;
   if (why !== null && last?.control === me) return showNotice(why.includes(". ") ? why : `Not now: ${why}.`, true);

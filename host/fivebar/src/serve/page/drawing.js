@@ -1,6 +1,7 @@
 // The arm on its canvas, with its trail and the path of the job.
 import { colour } from "./colour.js";
 import { Layer, Points } from "./layers.js";
+import { kindOf, stepsOf } from "./recording.js";
 
 const DRAWN = 200000; // samples of strokes
 const TRAVELLED = 250; // samples of the path with the pen up
@@ -20,7 +21,9 @@ export class Drawing {
   #job = null;
   #path = new Points(); // of the job
   #paths = 0; // the number of jobs
-  #layers = { job: new Layer(), drawn: new Layer() };
+  #layers = { job: new Layer(), drawn: new Layer(), replay: new Layer() };
+  colouring = "pen"; // what the colour of strokes shows: "pen", "error" or "speed"
+  replay = null; // what is shown of the last run, in place of the arm as it is
   jobBox = null; // lower left and upper right corner of what the job draws [m]
   shift = [0, 0]; // of the drawing while it is dragged [m]
   grabs = false; // whether a drag moves the drawing
@@ -75,17 +78,17 @@ export class Drawing {
       this.#canvas.dataset[name] = this.pixel(point);
     }
     if (!state.tool) return;
-    for (const [x, y, level] of [...state.trail, [...state.tool, state.tool_level]]) this.#follow([x, y], level > 0);
+    for (const [x, y, level, error, speed] of state.trail) this.#follow([x, y], level > 0, kindOf(error, speed));
     if (this.#drawn.length > DRAWN) {
       this.#drawn.keep(DRAWN / 2);
       this.#drawings += 1;
     }
   }
 
-  #follow(point, down) {
+  #follow(point, down, kind) {
     this.#travelled.push(point);
     if (this.#travelled.length > TRAVELLED) this.#travelled.shift();
-    if (down) this.#drawn.add(point, this.#down ? 0 : -1);
+    if (down) this.#drawn.add(point, this.#down ? kind : -1);
     this.#down = down;
   }
 
@@ -178,21 +181,26 @@ export class Drawing {
     const [scale, left, top] = this.#scale();
     const view = { scale, left, top, width, height, ratio };
     const isWhole = [this.#drawJob(view), this.#drawTrail(view)].every(Boolean);
-    if (this.#state?.joints) this.#drawArm(this.#state);
+    const shown = this.replay ?? this.#state;
+    if (shown?.joints) this.#drawArm(shown);
     else this.#drawHome();
     this.#drawBar(height);
     return isWhole;
   }
 
-  // What was drawn, and the latest path of the tool.
+  // What was drawn, and the latest path of the tool; in a replay, what was drawn by then.
   #drawTrail(view) {
     const context = this.#context;
+    const steps = Array.from({ length: 8 }, (_, i) => [colour(`--step${i}`), 3]);
+    const pen = [colour("--drawn"), 3];
+    const ink = this.colouring === "pen" ? () => pen : (kind) => steps[stepsOf(kind)[this.colouring]];
+    const draw = (layer, points, count, name) => layer.draw(context, view, `${name} ${this.colouring} ${pen}`, count,
+      (picture, from, to) => points.stroke(picture, view, from, to, ink));
+    if (this.replay) return draw(this.#layers.replay, this.replay.points, this.replay.count, "replay");
     context.setLineDash([1, 4]);
     this.#line(this.#travelled, "--quiet", 1.5);
     context.setLineDash([]);
-    const ink = [colour("--drawn"), 3];
-    return this.#layers.drawn.draw(context, view, `${this.#drawings} ${ink}`, this.#drawn.length, (layer, from, to) =>
-      this.#drawn.stroke(layer, view, from, to, () => ink));
+    return draw(this.#layers.drawn, this.#drawn, this.#drawn.length, this.#drawings);
   }
 
   // In four passes: travel, then strokes, each with a rim of the paper's colour.

@@ -70,10 +70,10 @@ export class Layer {
   #painted = 0; // the number of its steps that are painted
 
   // Draws the picture of a content for a view; `paint(context, from, to)` paints some of its `count` steps. Returns
-  // whether the picture is finished; more steps may be added to its end.
+  // whether the picture is finished; more steps may be added to its end; with fewer steps it begins anew.
   draw(target, view, content, count, paint) {
     const wanted = [view.scale, view.left, view.top, view.width, view.height, view.ratio].join();
-    if (this.#next?.wanted !== wanted || this.#next.content !== content) {
+    if (this.#next?.wanted !== wanted || this.#next.content !== content || count < this.#painted) {
       if (this.#next && this.#next !== this.#whole) this.#spare = this.#next.canvas;
       const canvas = this.#spare ?? document.createElement("canvas");
       this.#spare = null;

@@ -172,4 +172,10 @@ export function showJob(job, box) {
     : `${job.name}: ${job.moves} moves, all within the arm's limits.`) + notes);
   at("job").classList.toggle("refused", job.refusal !== null);
   put("size", extent(job, box));
+  at("layers").hidden = job.layers.length === 0;
+  at("layers").replaceChildren(...job.layers.map(({ name, strokes, length }) => {
+    const item = document.createElement("li");
+    item.textContent = `${name} · ${strokes} ${strokes === 1 ? "stroke" : "strokes"} · ${(1000 * length).toFixed(0)} mm`;
+    return item;
+  }));
 }

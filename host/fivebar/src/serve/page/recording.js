@@ -1,0 +1,64 @@
+// The last run of a job, to be shown again: the arm at each state, and what the tool drew.
+import { Points } from "./layers.js";
+
+const STATES = 110000; // an hour of states
+const SAMPLES = 400000;
+const BOUNDS = [5, 10, 20, 50, 100, 200, 500]; // µm of error, mm/s of speed
+
+// The step of a value among eight.
+const step = (value) => { const at = BOUNDS.findIndex((bound) => value < bound); return at < 0 ? BOUNDS.length : at; };
+
+// A kind of points that has the steps of error [m] and speed [m/s], and both steps of a kind.
+export const kindOf = (error, speed) => 8 * step(1e6 * error) + step(1e3 * speed);
+export const stepsOf = (kind) => ({ error: kind >> 3, speed: kind & 7 });
+export const LABELS = ["0", ...BOUNDS.map(String)];
+
+export class Recording {
+  #states = [];
+  #points = new Points();
+  #isDown = false;
+  #ran = false;
+  #wasHeld = false;
+
+  get length() {
+    return this.#states.length;
+  }
+
+  // Follows the states of the server: it records while a job runs, and begins anew with a new run.
+  follow(state) {
+    const runs = state.left !== null;
+    if (runs && !this.#ran && !this.#wasHeld) {
+      this.#states = [];
+      this.#points = new Points();
+      this.#isDown = false;
+    }
+    this.#ran = runs;
+    this.#wasHeld = state.held !== null && !runs;
+    if (!runs || !state.joints || !state.tool) return;
+    if (this.#states.length >= STATES || this.#points.length >= SAMPLES) return;
+    for (const [x, y, level, error, speed] of state.trail) {
+      if (level > 0) this.#points.add([x, y], this.#isDown ? kindOf(error, speed) : -1);
+      this.#isDown = level > 0;
+    }
+    const { time, joints, tool, reference } = state;
+    this.#states.push({ time, joints, tool, reference, count: this.#points.length });
+  }
+
+  // The arm at a number of states from the beginning, what it has drawn by then, and the time since the beginning.
+  at(index) {
+    const state = this.#states[Math.min(index, this.length - 1)];
+    return { ...state, points: this.#points, since: state.time - this.#states[0].time };
+  }
+
+  // The number of the last state not after a time since the beginning [s].
+  indexAt(since) {
+    const wanted = this.#states[0].time + since;
+    let [low, high] = [0, this.length - 1];
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (this.#states[middle].time <= wanted) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  }
+}
