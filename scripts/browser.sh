@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Tests the live page, and the page "your arm, now", in a headless Chromium from Debian: scripts/browser.sh [FOLDER]
+# Tests the live page, and the page "your arm, now", in a headless Chromium from Debian, the live page also in its
+# Firefox: scripts/browser.sh [FOLDER]
 #
 # With a folder, it also writes pictures there, taken with the release build: of the page, of a
 # report and of a workspace map. The documents use pictures that lie in docs/use and docs/design.
@@ -9,11 +10,11 @@ source scripts/target-dir.sh
 
 as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi; }
 
-if ! command -v chromium >/dev/null || ! command -v chromedriver >/dev/null; then
-    echo "browser: installing Debian's chromium and chromium-driver"
+if ! command -v chromium >/dev/null || ! command -v chromedriver >/dev/null || ! command -v firefox-esr >/dev/null; then
+    echo "browser: installing Debian's chromium, chromium-driver and firefox-esr"
     as_root env DEBIAN_FRONTEND=noninteractive apt-get update -qq
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
-        chromium chromium-driver >/dev/null
+        chromium chromium-driver firefox-esr >/dev/null
 fi
 axe=$built/axe
 if [ ! -e "$axe/node_modules/axe-core/axe.min.js" ]; then

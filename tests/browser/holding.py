@@ -36,9 +36,6 @@ def check(page, server):
     def mouse(kind):
         browser.mouse(kind, place, button="left", clickCount=1)
 
-    def touch(kind, *at):
-        browser.chromium("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in at])
-
     def key(kind, which):
         name, code, number = which
         browser.key(kind, name, code, number)
@@ -55,7 +52,7 @@ def check(page, server):
 
     ends = {
         "the mouse": (lambda: mouse("mousePressed"), lambda: mouse("mouseReleased")),
-        "a finger": (lambda: touch("touchStart", place), lambda: touch("touchEnd")),
+        "a finger": (lambda: browser.touch("touchStart", place), lambda: browser.touch("touchEnd")),
         "the mouse leaves": (lambda: mouse("mousePressed"), lambda: browser.mouse("mouseMoved", [place[0], place[1] + 200], button="left")),
         "the window loses the focus": (lambda: mouse("mousePressed"), lambda: browser.script("dispatchEvent(new Event('blur'));")),
         "an arrow key": (lambda: (browser.focus("#arm"), key("keyDown", RIGHT)), lambda: key("keyUp", RIGHT)),

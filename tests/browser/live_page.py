@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the live page with the simulated arm, and a report, in a headless Chromium.
+"""Tests the live page with the simulated arm, and a report, in a headless Chromium; what needs none of Chromium's own
+commands also in Firefox.
 
     tests/browser/live_page.py PROGRAM [--screenshots FOLDER]
 
@@ -24,6 +25,7 @@ import runs
 import senders
 import stopping
 import watching
+from firefox import Firefox
 from live import Page, Server
 from webdriver import Browser
 
@@ -75,6 +77,14 @@ def main():
         passed("a page of another site at the senders' ports")
         commissioning.check(arguments.program, browser)
         passed("a guided commissioning: tasks, a mistake, stops, a run that goes on")
+    with Server(arguments.program) as server, Firefox() as browser:
+        page = Page(browser, server.url)
+        browser.resize(1280, 900)
+        for part in (moving.check, consoles.check, runs.check):
+            part(page)
+        holding.check(page, server)
+        reach.is_accessible(page)
+        passed("Firefox: keys, drags, jobs, held motion, console, replay, axe-core")
 
 
 if __name__ == "__main__":

@@ -52,10 +52,10 @@ def an_elbow_follows_the_hand_and_the_other_stays(page):
 
 def keys_alone_home_arm_jog_and_stop(page):
     browser = page.browser
-    browser.script("document.getElementById('emergency').focus();")
 
     def go_to(selector):
-        browser.script("window.steps = 0;")
+        """From the top: behind its last control a browser may go on with its own."""
+        browser.script("document.getElementById('emergency').focus();")
         for _ in range(60):
             browser.press(TAB)
             if browser.script(f"return document.activeElement.matches('{selector}');"):

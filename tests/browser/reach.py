@@ -81,22 +81,18 @@ def a_finger_scrolls_the_page_from_the_drawing(browser):
     before, after = browser.script("""
         const { left, top, width, height } = document.getElementById('arm').getBoundingClientRect();
         return [scrollY, [left + 12, top + height / 2]];""")
-    touch = lambda kind, y: browser.chromium(
-        "Input.dispatchTouchEvent", type=kind,
-        touchPoints=[] if kind == "touchEnd" else [{"x": after[0], "y": y}])
-    touch("touchStart", after[1])
+    browser.touch("touchStart", after)
     for step in range(1, 11):
-        touch("touchMove", after[1] - 15 * step)
-    touch("touchEnd", after[1])
+        browser.touch("touchMove", [after[0], after[1] - 15 * step])
+    browser.touch("touchEnd")
     browser.wait("the scrolled page", lambda: browser.script("return scrollY;") > before + 50, timeout=5)
     browser.script("scrollTo(0, 0);")
 
 
-def check(page):
+def is_accessible(page, widths=((1280, False),)):
+    """At each width, in the light and in the dark."""
     browser = page.browser
-    every_control_is_reached_by_tab(browser)
-    arrows_go_from_tab_to_tab(browser)
-    for width, mobile in ((1280, False), (390, True)):
+    for width, mobile in widths:
         browser.resize(width, 844, mobile=mobile)
         for name in TABS:
             browser.click(f"#tab-{name.lower()}")
@@ -104,6 +100,13 @@ def check(page):
             for dark in (False, True):
                 browser.dark(dark)
                 has_no_serious_violation(browser, f"{name}, {width} px, dark: {dark}")
-    a_finger_scrolls_the_page_from_the_drawing(browser)
     browser.dark(False)
+
+
+def check(page):
+    browser = page.browser
+    every_control_is_reached_by_tab(browser)
+    arrows_go_from_tab_to_tab(browser)
+    is_accessible(page, ((1280, False), (390, True)))
+    a_finger_scrolls_the_page_from_the_drawing(browser)
     browser.resize(1280, 900)

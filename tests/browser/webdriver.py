@@ -86,7 +86,9 @@ class Browser:
         self.call("POST", "/url", {"url": url})
 
     def script(self, text):
-        return self.call("POST", "/execute/sync", {"script": text, "args": []})
+        """The value of a script's `return`; it may wait with `await`."""
+        body = f"return (async () => {{ {text} }})();"
+        return self.call("POST", "/execute/sync", {"script": body, "args": []})
 
     def find(self, selector):
         found = self.call("POST", "/element", {"using": "css selector", "value": selector})
@@ -146,6 +148,11 @@ class Browser:
     def mouse(self, kind, place, **more):
         """One event of the mouse: `mousePressed`, `mouseMoved` or `mouseReleased`."""
         self.chromium("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], **more)
+
+    def touch(self, kind, place=None):
+        """One event of a finger: `touchStart`, `touchMove` or `touchEnd`."""
+        points = [] if place is None else [{"x": place[0], "y": place[1]}]
+        self.chromium("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     def click_at(self, place, times=1, every=0.15):
         """Clicks in one place of the window, some times in a row [s between them]."""

@@ -15,9 +15,11 @@ use tokio::sync::OwnedSemaphorePermit;
 use tokio_tungstenite::tungstenite::protocol::frame::FrameHeader;
 use tokio_tungstenite::tungstenite::protocol::frame::coding::{Data, OpCode};
 
-/// Longest message [bytes]: a job of a few hundred thousand moves. A longer one is refused by its
+/// Longest message of the page in control [bytes]: a job of two million moves. A longer one is refused by its
 /// header, before the server has memory for it.
-pub(super) const MAX_MESSAGE: u64 = 12 << 20;
+pub(super) const MAX_MESSAGE: u64 = 52 << 20;
+/// The same of a page that watches and is the one that may send a long message.
+const MAX_LONG_MESSAGE: u64 = 12 << 20;
 /// Longest message of a page that is not in control [bytes], except for one page at a time. Without
 /// this limit 31 pages that send jobs take 377 MB, with it 41 MB.
 const MAX_WATCHER_MESSAGE: u64 = 64 << 10;
@@ -40,8 +42,8 @@ const READ: usize = 4 << 10;
 pub(super) enum LimitError {
     #[error("This page sent more than {MAX_PER_SECOND} messages or frames in a second.")]
     TooMany,
-    #[error("This page sent a message of more than {} MB.", MAX_MESSAGE / 1_000_000)]
-    TooLong,
+    #[error("This page sent a message of more than {} MB.", .0 / 1_000_000)]
+    TooLong(u64),
     #[error("Another page is sending a long message: take control, or try again later.")]
     Watches,
 }
@@ -172,14 +174,16 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
                 self.long = None;
             }
             self.message = self.message.saturating_add(length);
-            if self.message > MAX_MESSAGE {
-                return Err(LimitError::TooLong);
+            let is_holder = self.pages.shared.lease.holder() == Some(self.page.id);
+            let most = if is_holder {
+                MAX_MESSAGE
+            } else {
+                MAX_LONG_MESSAGE
+            };
+            if self.message > most {
+                return Err(LimitError::TooLong(most));
             }
-            let holder = self.pages.shared.lease.holder();
-            if self.message > MAX_WATCHER_MESSAGE
-                && holder != Some(self.page.id)
-                && self.long.is_none()
-            {
+            if self.message > MAX_WATCHER_MESSAGE && !is_holder && self.long.is_none() {
                 let place = Arc::clone(&self.pages.long_messages).try_acquire_owned();
                 self.long = Some(place.map_err(|_| LimitError::Watches)?);
             }
@@ -293,7 +297,9 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for FrameMeter<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::{FrameMeter, LimitError, MAX_PER_SECOND, MAX_WATCHER_MESSAGE, PART};
+    use super::{
+        FrameMeter, LimitError, MAX_LONG_MESSAGE, MAX_PER_SECOND, MAX_WATCHER_MESSAGE, PART,
+    };
     use crate::serve::channels::{Page, WebEnd, channels};
     use axum::body::Bytes;
     use futures_util::StreamExt as _;
@@ -410,10 +416,13 @@ mod tests {
     }
 
     #[test]
-    fn a_message_of_more_than_12_mb_is_refused_by_its_header() {
+    fn a_watchers_message_of_more_than_12_mb_is_refused_by_its_header() {
         let (pages, _controller, _updates) = channels();
         let mut bytes = frame(OpCode::Data(Data::Text), true, &"x".repeat(15 << 20));
         bytes.truncate(100);
-        assert_eq!(limit(&received(bytes, &pages)), Some(LimitError::TooLong));
+        assert_eq!(
+            limit(&received(bytes, &pages)),
+            Some(LimitError::TooLong(MAX_LONG_MESSAGE))
+        );
     }
 }

@@ -162,6 +162,20 @@ fn a_page_that_joins_gets_the_job_without_the_others_getting_it_again() {
 }
 
 #[test]
+fn the_page_in_control_loads_a_file_of_50_mb() {
+    let server = Server::start(&[]);
+    let mut page = server.page();
+    page.take_control_and_arm();
+    let comment = format!(";{}\n", "x".repeat(1000));
+    let text = format!("G21 F600\nG1 X20\n{}", comment.repeat(50_000));
+    page.send(&json!({ "load": { "name": "large", "text": text } }));
+    let moves = page.wait("the job", |message| {
+        message.get("job")?.get("moves")?.as_u64()
+    });
+    assert_eq!(moves, 1);
+}
+
+#[test]
 fn a_page_connects_beside_300_silent_connections_although_the_system_allows_64_open_files() {
     let server = Server::start_with_files(64);
     let held: Vec<_> = (0..300).map(|_| server.connect()).collect();
