@@ -27,6 +27,7 @@ def strokes_have_the_colour_of_their_error_or_speed(page):
     """A simulated arm draws these lines at 50 mm/s with errors of some micrometres."""
     browser = page.browser
     page.load_job(ONE_STROKE, "within the arm's limits")
+    browser.click('[data-zoom="job"]')
     page.wait_for_rest()
     time.sleep(PAUSE)
     page.run_job()

@@ -2,6 +2,7 @@
 //! of pages; the pages themselves are tested in a browser (scripts/browser.sh).
 #![cfg(unix)]
 
+use fivebar::bridge::for_pages;
 use fivebar::serve::{Guard, ServeError, ServeOptions, serve};
 use fivebar_files::robot::Robot;
 use fivebar_firmware::safety::State;
@@ -64,7 +65,7 @@ fn options(guard: Guard) -> ServeOptions {
     ServeOptions {
         address: "127.0.0.1:0".parse().expect("an address"),
         guard,
-        senders: None,
+        senders: for_pages(None),
         time_optimal: None,
     }
 }

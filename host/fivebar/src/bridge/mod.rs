@@ -41,7 +41,7 @@ use fivebar_firmware::settings::CheckedSettings;
 use fivebar_sim::controller;
 use fivebar_sim::controller::{ControllerSource, OpenError};
 use log::PathLog;
-pub(crate) use page_senders::listen;
+pub use page_senders::for_pages;
 use slot::SenderSlot;
 use std::io;
 use std::net::SocketAddr;

@@ -5,7 +5,7 @@ use super::events::CLEARING;
 use super::protocol::RealTime;
 use super::slot::{Phase, SenderSlot, moves};
 use super::{BridgeError, BridgeOptions, Reading, connection, console};
-use crate::senders::{Console, Endpoints, Senders};
+use crate::senders::{Console, Endpoints, Listen, Senders};
 use fivebar_files::robot::Robot;
 use fivebar_sim::controller::{OpenError, Session};
 use fivebar_sim::link::LinkError;
@@ -24,13 +24,20 @@ pub(super) struct PageSenders {
     pub(super) console: Weak<Presence>,
 }
 
+/// The senders of a page's server: consoles of pages, and others if the options are given.
+pub fn for_pages(options: Option<BridgeOptions>) -> Listen {
+    Box::new(move |robot, session, place| {
+        listen(robot, options.as_ref(), session, place).map_err(Into::into)
+    })
+}
+
 /// Lets pages' consoles move the arm of this session and, if the options are given, listens for other senders. Its
 /// controller runs at `place`.
 ///
 /// # Errors
 /// The address or the terminal cannot be opened, the robot has no home pose, or the controller does
 /// not reply.
-pub(crate) fn listen(
+fn listen(
     robot: &Robot,
     options: Option<&BridgeOptions>,
     session: &mut Session,

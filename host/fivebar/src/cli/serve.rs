@@ -7,7 +7,7 @@ use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::bridge::{self, BridgeOptions};
 use crate::commission::Options;
-use crate::senders::{Endpoints, Listen};
+use crate::senders::Endpoints;
 use crate::serve::commission::serve as guided;
 use crate::serve::{Guard, ServeError, ServeOptions, serve};
 use fivebar_files::robot::{BuiltIn, Robot};
@@ -164,7 +164,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let options = ServeOptions {
         address: args.listen,
         guard,
-        senders: senders(args.senders),
+        senders: bridge::for_pages(args.senders.map(BridgeOptions::at)),
         time_optimal: args.time_optimal.then_some(args.torque_share),
     };
     let served = serve(&robot, source, options, ready, ends);
@@ -172,15 +172,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ServeError::Open(error) => described(error, &args.controller),
         ServeError::Link(error) => described(error.into(), &args.controller),
         other => refused(other),
-    })
-}
-
-/// Consoles of pages are senders; others connect to the bridge if they are asked for, over TCP if an address is
-/// given.
-fn senders(others: Option<Option<SocketAddr>>) -> Listen {
-    let options = others.map(BridgeOptions::at);
-    Box::new(move |robot, session, place| {
-        bridge::listen(robot, options.as_ref(), session, place).map_err(Into::into)
     })
 }
 
