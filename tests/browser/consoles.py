@@ -34,3 +34,4 @@ def check(page):
     before = page.tool()[0]
     browser.click('[data-jog="1,0"]')
     browser.wait("the step", lambda: page.at_rest() and abs(page.tool()[0] - before - 1) < 0.05)
+    assert "The console has ended: G91" in log(), log()

@@ -11,8 +11,9 @@ ONE_STROKE = "G21 G90 F3000\nM3\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n"
 
 
 def the_layers_are_listed(page):
-    page.load_job(TWO_PENS, "within the arm's limits")
-    shown = page.browser.script("return [...document.querySelectorAll('#layers li')].map((item) => item.textContent);")
+    page.load_job(TWO_PENS, "M0 stops")
+    shown = page.browser.wait("the layers", lambda: page.browser.script(
+        "return [...document.querySelectorAll('#layers li')].map((item) => item.textContent);"))
     assert shown == ["M0: red pen · 1 stroke · 40 mm", "M0: blue pen · 1 stroke · 20 mm"], shown
     reach.has_no_serious_violation(page.browser, "a job with layers")
 
@@ -27,6 +28,7 @@ def strokes_have_the_colour_of_their_error_or_speed(page):
     """A simulated arm draws these lines at 50 mm/s with errors of some micrometres."""
     browser = page.browser
     page.load_job(ONE_STROKE, "within the arm's limits")
+    browser.wait("a job without layers", lambda: browser.script("return document.getElementById('layers').hidden;"))
     browser.click('[data-zoom="job"]')
     page.wait_for_rest()
     time.sleep(PAUSE)

@@ -63,8 +63,10 @@ pub trait Senders: Send {
     /// Whether the console that was opened last is in control.
     fn is_console_in_control(&self) -> bool;
 
-    /// Takes control from that console, unless its lines or the arm are in progress. Returns whether no console is
-    /// in control now.
+    /// Whether that console is in control, its lines are done, or held by a stop, and the arm rests.
+    fn is_console_idle(&self, session: &Session) -> bool;
+
+    /// Takes control from that console if it is idle; returns whether it was.
     fn release_console(&mut self, session: &Session) -> bool;
 
     /// Serves the sender in control; returns whether there is one. A new one is admitted only if

@@ -3,6 +3,7 @@
 use super::connection::{Desk, Presence};
 use super::events::CLEARING;
 use super::protocol::RealTime;
+use super::sender::Sender;
 use super::slot::{Phase, SenderSlot, moves};
 use super::{BridgeError, BridgeOptions, Reading, connection, console};
 use crate::senders::{Console, Endpoints, Listen, Senders};
@@ -80,24 +81,23 @@ impl Senders for PageSenders {
         })
     }
 
+    fn is_console_idle(&self, session: &Session) -> bool {
+        let is_held = self.slot.phase == Phase::Held;
+        let has_done_all = self.slot.phase == Phase::Ready && self.slot.path.queue.is_empty();
+        let sender = self.slot.sender.as_ref();
+        self.is_console_in_control()
+            && !moves(&session.status)
+            && (is_held || has_done_all && sender.is_some_and(Sender::has_no_lines))
+    }
+
     fn release_console(&mut self, session: &Session) -> bool {
-        if !self.is_console_in_control() {
-            return true;
+        let is_idle = self.is_console_idle(session);
+        if is_idle {
+            self.slot.sender = None;
+            self.slot.drop_path(session);
+            self.slot.phase = Phase::Ready;
         }
-        let waits = self.slot.phase == Phase::Ready
-            && (!self.slot.path.queue.is_empty()
-                || self
-                    .slot
-                    .sender
-                    .as_ref()
-                    .is_some_and(|sender| !sender.has_no_lines()));
-        if waits || moves(&session.status) {
-            return false;
-        }
-        self.slot.sender = None;
-        self.slot.drop_path(session);
-        self.slot.phase = Phase::Ready;
-        true
+        is_idle
     }
 
     fn serve(&mut self, session: &mut Session, admits: bool) -> Result<bool, LinkError> {

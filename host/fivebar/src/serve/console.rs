@@ -28,6 +28,10 @@ impl ControllerThread {
         if line.len() > LONGEST {
             return Err(format!("A line has at most {LONGEST} characters."));
         }
+        // Other bytes are commands of Grbl.
+        if !line.is_ascii() {
+            return Err("A line has ASCII characters only.".into());
+        }
         line.push('\n');
         // A console that was refused control has ended.
         let console = self.console.take_if(|&mut (of, _)| of == page);

@@ -17,7 +17,7 @@
 //! processor between threads.
 //!
 //! The controller's thread owns the `Session` with the controller. Senders of G-code may use it beside the
-//! pages; the server knows them by the trait [`Senders`] only.
+//! pages; the server knows them by the trait [`Senders`](crate::senders::Senders) only.
 //!
 //! | module | content |
 //! |---|---|

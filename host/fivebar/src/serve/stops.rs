@@ -45,7 +45,9 @@ impl ControllerThread {
     }
 
     fn stop_on_path(&mut self, page: PageId) -> Result<(), LinkError> {
-        if self.senders.is_in_control() {
+        // A console that waits for its next line is not held: it would answer no more.
+        let is_idle = self.senders.is_console_idle(&self.session);
+        if self.senders.is_in_control() && !is_idle {
             return self.senders.hold(&mut self.session);
         }
         self.drop_what_pages_asked_for();

@@ -39,6 +39,13 @@ fn the_console_answers_as_the_bridge_and_its_page_can_go_on_with_other_controls(
     say(&mut page, "G1 X900");
     let refused = answer(&mut page, "error:15");
     assert!(refused.contains("[MSG:"), "{refused}");
+    say(&mut page, "G1 X1 Đ");
+    page.refused("ASCII characters only");
+    // A stop at rest leaves the console as it is.
+    page.request("stop");
+    page.wait("the stop", |message| message.get("stopped").map(|_| ()));
+    say(&mut page, "G4 P0.01");
+    answer(&mut page, "ok");
     say(&mut page, "?");
     assert!(answer(&mut page, ">").contains("<Idle|MPos:"));
     // A jog ends the console, which forgets G91.

@@ -44,6 +44,7 @@ let me = null; // this page's number
 let elbows = null; // the sides of the arm's elbows
 let chosen = null; // the branch whose map is shown
 let last = null; // the last state; null without a connection
+let hadConsole = false; // whether this page's console was in control
 let fault = null;
 let loaded = null; // the job that was loaded last
 let next = null; // the control that does the next step
@@ -103,6 +104,8 @@ function showStateText(state, text) {
 
 function showState(state) {
   last = state;
+  if (hadConsole && state.console !== me) terminal.answer("[The console has ended: G91, G92 and F are forgotten.]");
+  hadConsole = state.console === me;
   // This page's own console gives way to what the page asks for.
   if (state.console === me) state.sender = false;
   const watching = state.control !== me;

@@ -35,8 +35,12 @@ impl Senders for Noted {
         false
     }
 
+    fn is_console_idle(&self, _: &Session) -> bool {
+        false
+    }
+
     fn release_console(&mut self, _: &Session) -> bool {
-        true
+        false
     }
 
     fn serve(&mut self, _: &mut Session, _: bool) -> Result<bool, LinkError> {
