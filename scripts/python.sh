@@ -18,7 +18,7 @@ if ! python3 -m venv "$venv"; then
     echo "python: python3 with its venv module is needed (Debian: apt-get install python3-venv)" >&2
     exit 1
 fi
-"$venv/bin/pip" install --quiet --disable-pip-version-check './python[test]'
+"$venv/bin/pip" install --quiet --disable-pip-version-check './python[test,cluster]'
 root=$PWD
 python=$venv/bin/python
 out=$built/python-example

@@ -3,6 +3,14 @@
 use core::f64::consts::TAU;
 use oorandom::Rand64;
 
+/// A seed for each part of what a seed stands for, unlike its neighbours' (SplitMix64's finaliser).
+pub(crate) fn stream(seed: u64, part: u64) -> u64 {
+    let mut z = seed ^ part.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
 /// A stream of pseudo-random numbers.
 ///
 /// ```

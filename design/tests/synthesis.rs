@@ -18,6 +18,7 @@ fn leg(area: Area, dexterity: f64) -> Specification {
         sine: 0.0,
         objective: Objective::Size,
         front: 1,
+        starts: 1,
     }
 }
 

@@ -4,12 +4,18 @@ use crate::error;
 use crate::robot::Robot;
 use fivebar_design::accuracy::Sampling;
 use fivebar_design::accuracy::five_bar::{ToolState, monte_carlo};
+use fivebar_design::accuracy::slider::sample_slider;
+use fivebar_files::accuracy_classes::Classes;
+use fivebar_files::linkage::DrivenLinkage;
+use fivebar_files::robot::Mechanism;
 use fivebar_files::scenario::Scenario;
 use fivebar_report::study::accuracy::{
-    accuracy_map, analyse, answer, map_answer, path_accuracy, path_answer,
+    AccuracyStudyError, accuracy_map, allocation_answer, analyse, analyse_slider, answer, cheapest,
+    linkage_answer, map_answer, path_accuracy, path_answer, slider_answer, study_linkage,
 };
 use nalgebra::Vector2;
 use pyo3::prelude::*;
+use std::path::Path;
 
 /// At one position: position [m], velocity, acceleration of C, and the force on it.
 #[pyfunction]
@@ -42,11 +48,61 @@ pub(crate) fn accuracy_map_of(
     robot: &Robot,
     region: Option<[f64; 4]>,
     force: [f64; 2],
+    wanted: Option<(f64, String)>,
 ) -> PyResult<String> {
     let robot = &robot.described;
     let map = py.detach(|| accuracy_map(robot, force.into(), region));
     let map = map.map_err(|refusal| error::study(py, refusal))?;
-    Ok(map_answer(&robot.name, &map).to_string())
+    let mut answer = map_answer(&robot.name, &map);
+    if let Some((deviation, classes)) = wanted {
+        let classes = Classes::read(Path::new(&classes));
+        let classes = classes.map_err(|refusal| error::study(py, refusal))?;
+        let cheapest = py.detach(|| cheapest(&map, deviation, &classes));
+        let cheapest = cheapest.map_err(|refusal| error::study(py, refusal))?;
+        answer["allocation"] = allocation_answer(&cheapest);
+    }
+    Ok(answer.to_string())
+}
+
+/// Of a linkage at an instant [s], for an example's name or a file.
+#[pyfunction]
+pub(crate) fn linkage_accuracy(
+    py: Python<'_>,
+    file: &str,
+    time: f64,
+    samples: usize,
+    seed: u64,
+) -> PyResult<String> {
+    let driven = DrivenLinkage::load(file).map_err(|refusal| error::study(py, refusal))?;
+    let sampling = Sampling { samples, seed };
+    let found = py.detach(|| study_linkage(&driven, time, sampling, &|_| ()));
+    let found = found.map_err(|refusal| error::study(py, refusal))?;
+    Ok(linkage_answer(&driven, &found).to_string())
+}
+
+/// Of a slider-driven mechanism with P at a point [m] and a force on it [N], for a built-in one's name or a file.
+#[pyfunction]
+pub(crate) fn slider_accuracy(
+    py: Python<'_>,
+    file: &str,
+    at: [f64; 2],
+    force: [f64; 2],
+    samples: usize,
+    seed: u64,
+) -> PyResult<String> {
+    let mechanism = Mechanism::load(file).map_err(|refusal| error::file(py, &refusal))?;
+    let Mechanism::Slider(robot) = mechanism else {
+        let reason = format!("{file} is an arm with four links: ask Arm.accuracy");
+        return Err(error::study(py, reason));
+    };
+    let found = py.detach(|| {
+        let analysis = analyse_slider(&robot, at.into(), force.into())?;
+        let sampling = Sampling { samples, seed };
+        let sampled = sample_slider(&robot.toleranced(), &analysis, sampling, &|_| ());
+        Ok(slider_answer(&robot, &analysis, &sampled))
+    });
+    let found = found.map_err(|refusal: AccuracyStudyError| error::study(py, refusal))?;
+    Ok(found.to_string())
 }
 
 /// Along the path of a job, where `fivebar sim` draws it or with its (0, 0) at `origin` [m].

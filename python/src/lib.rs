@@ -11,26 +11,34 @@ mod error;
 mod measured;
 mod mechanism;
 mod motion;
+mod photo;
 mod plant;
 mod positions;
 mod robot;
 mod simulation;
 mod status;
 mod study;
+mod synthesis;
 
 /// The module, as Python imports it.
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
-    use super::accuracy::{accuracy, accuracy_along, accuracy_map_of};
+    use super::accuracy::{
+        accuracy, accuracy_along, accuracy_map_of, linkage_accuracy, slider_accuracy,
+    };
     #[pymodule_export]
     use super::dynamics::{forward_dynamics, inverse_dynamics};
     #[pymodule_export]
-    use super::measured::{calibrate, calibration_poses, excitations, identify, identify_payload};
+    use super::measured::{
+        calibrate, calibration_poses, excitations, identify, identify_payload, simulated_log,
+    };
     #[pymodule_export]
     use super::mechanism::{export, linkage, mobility};
     #[pymodule_export]
     use super::motion::{inverse_motion, motion};
+    #[pymodule_export]
+    use super::photo::{photo, photo_marks};
     #[pymodule_export]
     use super::plant::Plant;
     #[pymodule_export]
@@ -42,5 +50,7 @@ mod _native {
     #[pymodule_export]
     use super::status::statuses;
     #[pymodule_export]
-    use super::study::{design, margins, plan, workspace};
+    use super::study::{clearance, crossing, margins, plan, workspace};
+    #[pymodule_export]
+    use super::synthesis::Study;
 }

@@ -4,15 +4,17 @@ use crate::error;
 use crate::robot::Robot;
 use fivebar_design::calibration::{Criterion, Deviations};
 use fivebar_files::robot::{Measured, measured_text};
+use fivebar_plant::Mismatch;
 use fivebar_report::study::calibration::{
     Rows, answer as calibrated, calibrate_robot, calibrate_robot_mixed, measured as lengths,
     mixed_answer, mixed_warnings, proposal_answer as poses_answer, propose_poses, warnings,
 };
 use fivebar_report::study::identification::{
-    answer as identified, identify_robot, measured as masses, measured_payload, payload_answer,
-    payload_of, proposal_answer as excitations_answer, propose_for, validation_answer, validations,
-    warning,
+    PERIODS, answer as identified, identify_robot, measured as masses, measured_payload,
+    payload_answer, payload_of, proposal_answer as excitations_answer, propose_for,
+    validation_answer, validations, warning,
 };
+use fivebar_sim::excitation::excite;
 use pyo3::prelude::*;
 
 /// The answer as JSON, the robot file with the measured values, and warnings.
@@ -133,6 +135,23 @@ pub(crate) fn identify_payload(
         text,
         Vec::new(),
     ))
+}
+
+/// The log that `fivebar identify --simulate` writes: rows of time [s], θ1, θ4 [rad], current 1 and 4 [A].
+#[pyfunction]
+pub(crate) fn simulated_log(
+    py: Python<'_>,
+    robot: &Robot,
+    second: bool,
+) -> PyResult<Vec<[f64; 5]>> {
+    let arm = brushed(py, robot)?;
+    let rows = py.detach(|| {
+        let proposed = propose_for(arm).map_err(|refusal| refusal.to_string())?;
+        let excitation = &proposed[usize::from(second)].excitation;
+        excite(arm, excitation, PERIODS, &Mismatch::default(), 1)
+            .map_err(|refusal| refusal.to_string())
+    });
+    rows.map_err(|refusal| error::study(py, refusal))
 }
 
 /// The answer of `fivebar identify --propose`.

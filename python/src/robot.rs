@@ -42,6 +42,12 @@ impl Robot {
         })
     }
 
+    /// The text of its file.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.text
+    }
+
     #[getter]
     fn name(&self) -> &str {
         &self.described.name

@@ -2,6 +2,7 @@
 
 use crate::error;
 use crate::robot::Robot;
+use fivebar_files::job::PETAL;
 use fivebar_files::robot::BuiltIn;
 use fivebar_files::scenario::{ControlLaw, Scenario as Described};
 use fivebar_firmware::controller::Request;
@@ -20,7 +21,7 @@ use std::path::Path;
 /// A run that has not begun.
 #[pyclass(frozen, module = "fivebar._native")]
 pub(crate) struct Scenario {
-    described: Described,
+    pub(crate) described: Described,
 }
 
 #[pymethods]
@@ -53,11 +54,19 @@ impl Scenario {
         Self { described }
     }
 
+    /// The petal job of a robot, which `fivebar clearance` draws.
+    #[staticmethod]
+    fn petal(robot: &Robot) -> Self {
+        let job = "the petal job";
+        let described = Described::new("petal", robot.described.clone(), job, PETAL.into());
+        Self { described }
+    }
+
     /// Runs it; the arguments given replace the scenario's values. Returns the figures as JSON,
     /// the trace's columns by name, the ticks between two samples, the faults with their times
     /// from power-up, the time at which the job began, and the parts of the job skipped.
     #[allow(clippy::too_many_arguments)]
-    #[pyo3(signature = (*, origin, scale, seed, computed_torque, mismatch))]
+    #[pyo3(signature = (*, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause))]
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -66,6 +75,8 @@ impl Scenario {
         seed: Option<u64>,
         computed_torque: Option<bool>,
         mismatch: BTreeMap<String, Figure>,
+        compare_pid: bool,
+        by_cause: bool,
     ) -> PyResult<Outcome<'py>> {
         let mut scenario = self.described.clone();
         scenario.origin = origin.or(scenario.origin);
@@ -77,13 +88,28 @@ impl Scenario {
         let done = py.detach(|| {
             let job = scenario.job()?;
             scenario.check(&job)?;
-            let mut target = Interruptible {
-                controller: scenario.controller()?,
-                ticks: 0,
-                interrupt: &mut interrupt,
+            let (mut summary, record) = if scenario.robot.brushed().is_ok() {
+                let mut target = Interruptible {
+                    controller: scenario.controller()?,
+                    ticks: 0,
+                    interrupt: &mut interrupt,
+                };
+                let moves = scenario.run_moves(&job)?;
+                scenario.run_on(&mut target, &moves, &mut |_| ())?
+            } else {
+                // Steppers and drives on a bus have links of their own.
+                scenario.simulate(&job, &mut |_| ())?
             };
-            let moves = scenario.run_moves(&job)?;
-            let (summary, record) = scenario.run_on(&mut target, &moves, &mut |_| ())?;
+            if compare_pid {
+                // PID may fail where computed torque does not; then there is no comparison.
+                let pid = scenario
+                    .under_pid()
+                    .map(|pid| pid.simulate(&job, &mut |_| ()));
+                summary.pid_tip_error = pid.and_then(Result::ok).map(|(pid, _)| pid.tip_error);
+            }
+            if by_cause {
+                summary.by_cause = scenario.by_cause(&job, &summary)?;
+            }
             Ok((job, summary, record))
         });
         if let Some(interrupt) = interrupt {

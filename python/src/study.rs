@@ -2,15 +2,16 @@
 
 use crate::error;
 use crate::robot::Robot;
-use fivebar_design::synthesis::synthesise;
-use fivebar_files::design_spec;
+use crate::simulation::Scenario;
 use fivebar_files::path_case::PathCase;
+use fivebar_report::study::clearance as clearance_study;
+use fivebar_report::study::crossing::{self as crossing_study, CrossingStudyError};
 use fivebar_report::study::margins::MarginsStudy;
 use fivebar_report::study::plan::PlanStudy;
-use fivebar_report::study::synthesis;
 use fivebar_report::study::workspace::WorkspaceStudy;
+use fivebar_sim::crossing::{CrossingConditions, follow};
+use fivebar_sim::simulation::Simulate;
 use pyo3::prelude::*;
-use std::path::Path;
 
 /// The answer of `fivebar workspace`; `resolution` is the side of a cell [m].
 #[pyfunction]
@@ -50,21 +51,47 @@ pub(crate) fn plan(
     Ok(study.answer().to_string())
 }
 
-/// The answer of `fivebar design`, and the robot file that it would write. Drawings are looked for in `folder`.
+/// The answer of `fivebar plan --crossing`, with a simulated run where one is wanted.
 #[pyfunction]
-pub(crate) fn design(
+pub(crate) fn crossing(
     py: Python<'_>,
-    file: &str,
-    text: &str,
-    folder: &str,
-    seed: u64,
-) -> PyResult<(String, String)> {
-    let specification = design_spec::parse(file, text, Path::new(folder));
-    let specification = specification.map_err(|refusal| error::study(py, refusal))?;
-    let found = py.detach(|| synthesise(&specification, seed, &|_| ()));
+    robot: &Robot,
+    ends: [[f64; 2]; 2],
+    time: f64,
+    simulate: bool,
+) -> PyResult<String> {
+    let robot = &robot.described;
+    let refused = |refusal: CrossingStudyError| error::study(py, refusal);
+    let task = crossing_study::task(robot, ends, time).map_err(refused)?;
+    let plan = py.detach(|| task.plan());
+    let plan = plan.map_err(|refusal| error::study(py, refusal))?;
+    let controller = crossing_study::check_by_controller(robot, &task, &plan);
+    let run = simulate.then(|| {
+        let run = py.detach(|| follow(robot, &task, &plan, &CrossingConditions::default()));
+        run.map_err(|refusal| error::study(py, refusal))
+    });
+    let answer = crossing_study::answer(&plan, &controller, run.transpose()?.as_ref());
+    Ok(answer.to_string())
+}
+
+/// The answer of `fivebar clearance`: a job with each of these clearances of the joints A to E [m].
+#[pyfunction]
+pub(crate) fn clearance(
+    py: Python<'_>,
+    scenario: &Scenario,
+    clearances: Vec<[f64; 5]>,
+    origin: Option<[f64; 2]>,
+    scale: Option<f64>,
+) -> PyResult<String> {
+    let mut scenario = scenario.described.clone();
+    scenario.origin = origin.or(scenario.origin);
+    scenario.scale = scale.unwrap_or(scenario.scale);
+    let job = scenario.job();
+    let job = job.map_err(|refusal| error::scenario(py, refusal))?;
+    scenario
+        .check(&job)
+        .map_err(|refusal| error::run(py, &scenario.job_file, refusal))?;
+    let found = py.detach(|| clearance_study::study(&scenario, &job, &clearances, &|| ()));
     let found = found.map_err(|refusal| error::study(py, refusal))?;
-    let stem = Path::new(file).file_stem().unwrap_or_default();
-    let robot = synthesis::robot_file(&stem.to_string_lossy(), &found.whole);
-    let robot = robot.map_err(|refusal| error::study(py, refusal))?;
-    Ok((synthesis::answer(&found).to_string(), robot))
+    Ok(clearance_study::answer(&found).to_string())
 }

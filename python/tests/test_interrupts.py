@@ -45,4 +45,4 @@ def test_a_long_run_is_broken_off(arm, alarms):
     alarms()
     with pytest.raises(KeyboardInterrupt):
         scenario.run(origin=[0.03, 0.2], scale=None, seed=None, computed_torque=None,
-                     mismatch={})
+                     mismatch={}, compare_pid=False, by_cause=False)

@@ -4,6 +4,7 @@
 //! from the seed and the block's number; the blocks are summed in their order.
 
 use crate::Noise;
+use crate::noise::stream;
 use rayon::prelude::*;
 
 /// Samples in a block.
@@ -241,14 +242,6 @@ pub(super) fn sample<M: Accumulator>(
         })
         .collect();
     sums.iter().fold(M::default(), M::merge)
-}
-
-/// A seed for each block, unlike its neighbours' (SplitMix64's finaliser).
-fn stream(seed: u64, block: u64) -> u64 {
-    let mut z = seed ^ block.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

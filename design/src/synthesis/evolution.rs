@@ -18,12 +18,14 @@ const WEIGHT: [f64; 2] = [0.4, 0.9];
 /// The search ends where the scores of all candidates agree to this share.
 const AGREEMENT: f64 = 1e-7;
 
-/// The point of the unit cube with the greatest score that was found within `generations`.
+/// The point of the unit cube with the greatest score that was found within `generations`. `observe` receives the
+/// points of each generation with their scores.
 pub(super) fn maximise(
     dimensions: usize,
     generations: usize,
     seed: u64,
     score: impl Fn(&[f64]) -> f64 + Sync,
+    mut observe: impl FnMut(&[(Vec<f64>, f64)]),
 ) -> (Vec<f64>, f64) {
     let mut noise = Noise::new(seed);
     let count = CANDIDATES * dimensions.max(2);
@@ -37,6 +39,7 @@ pub(super) fn maximise(
             (point, score)
         })
         .collect();
+    observe(&population);
     let sort = |population: &mut Vec<(Vec<f64>, f64)>| {
         population.sort_by(|a, b| b.1.total_cmp(&a.1));
     };
@@ -52,6 +55,7 @@ pub(super) fn maximise(
                 (point, score)
             })
             .collect();
+        observe(&scored);
         for (old, new) in population.iter_mut().zip(scored) {
             if new.1 >= old.1 {
                 *old = new;
@@ -93,7 +97,7 @@ mod tests {
     #[test]
     fn it_finds_a_peak_on_a_face_of_the_cube() {
         let score = |x: &[f64]| -(x[0] + 0.2).powi(2) - (x[1] - 0.3).powi(2) - (x[2] - x[1]).abs();
-        let (point, _) = maximise(3, 300, 1, score);
+        let (point, _) = maximise(3, 300, 1, score, |_| ());
         for (found, expected) in point.iter().zip([0.0, 0.3, 0.3]) {
             assert!((found - expected).abs() < 1e-3, "{point:?}");
         }
@@ -104,9 +108,9 @@ mod tests {
         let score = |x: &[f64]| -x.iter().map(|x| (x - 0.4).powi(2)).sum::<f64>();
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.unwrap().install(|| maximise(4, 40, 7, score))
+            pool.unwrap().install(|| maximise(4, 40, 7, score, |_| ()))
         };
         assert_eq!(on(1), on(3));
-        assert_ne!(on(1), maximise(4, 40, 8, score));
+        assert_ne!(on(1), maximise(4, 40, 8, score, |_| ()));
     }
 }

@@ -16,13 +16,16 @@ mod evolution;
 mod interval;
 mod problem;
 mod proof;
+mod study;
 mod whole;
 
 pub use area::Area;
 pub use proof::Proof;
+pub use study::{Candidate, Found, Study};
 
 use core::fmt;
-use problem::Problem;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What is wanted of an arm. Its elbows turn outwards: `working_mode = ["right", "left"]` in robot files.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +46,8 @@ pub struct Specification {
     pub objective: Objective,
     /// Designs of the front, the best being the first; the others have more dexterity.
     pub front: usize,
+    /// Searches of each design, from seeds of their own; the best result counts.
+    pub starts: usize,
 }
 
 /// What is sought.
@@ -58,7 +63,7 @@ pub enum Objective {
 }
 
 /// An arm with its work area.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Design {
     /// l1…l4 and the base [m].
     pub lengths: [f64; 5],
@@ -127,38 +132,19 @@ pub fn prove(lengths: [f64; 5], area: &Area, size: f64, place: [f64; 2]) -> Proo
 }
 
 /// Searches the best arm. The result depends on the seed, not on the number of threads. `progress`
-/// receives the share that is done.
+/// receives the share of the searches that are done.
 ///
 /// # Errors
 /// No arm that meets the requirements was found.
 pub fn synthesise(
     specification: &Specification,
     seed: u64,
-    progress: &dyn Fn(f64),
+    progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Synthesis, SynthesisError> {
-    let problem = Problem::new(specification);
-    let designs = specification.front.max(1);
-    let mut front = Vec::new();
-    for index in 0..designs {
-        progress(index as f64 / (designs + 1) as f64);
-        let share = index as f64 / designs as f64;
-        let dexterity = specification.dexterity + share * (1.0 - specification.dexterity);
-        match problem.requiring(dexterity).solve(seed) {
-            Ok(design) => front.push(design),
-            Err(error) if index == 0 => return Err(error),
-            Err(_) => break,
-        }
-    }
-    progress(designs as f64 / (designs + 1) as f64);
-    let best = front[0];
-    let whole = problem.in_whole_millimetres(&best, seed);
-    Ok(Synthesis {
-        best,
-        whole,
-        front,
-        sensitivity: problem.sensitivity(&best),
-        proof: problem.prove(&best),
-        whole_proof: problem.prove(&whole),
-        evaluations: problem.evaluations(),
+    let study = Study::new(specification, seed);
+    let count = AtomicUsize::new(0);
+    study.run(&[], &|_, _| {
+        let done = 1 + count.fetch_add(1, Ordering::Relaxed);
+        progress(done as f64 / study.searches() as f64);
     })
 }

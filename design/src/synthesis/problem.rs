@@ -4,9 +4,8 @@ use super::area::{Density, Placed, Samples};
 use super::condition::condition;
 use super::evolution::maximise;
 use super::proof::{self, Proof};
-use super::{Area, Design, Objective, Specification, SynthesisError};
+use super::{Area, Design, Objective, Specification, study};
 use nalgebra::Vector2;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Generations of the search, and of the second one beside its result with the samples of the check.
@@ -31,13 +30,12 @@ const SLACK: f64 = 1e-5;
 const CHANGE: f64 = 1e-5;
 
 /// A search for an arm.
-#[derive(Clone)]
 pub(super) struct Problem<'a> {
     pub(super) specification: &'a Specification,
     dexterity: f64,
-    search: Arc<Samples>,
-    check: Arc<Samples>,
-    evaluations: Arc<AtomicU64>,
+    search: Samples,
+    check: Samples,
+    evaluations: AtomicU64,
 }
 
 /// The least of what is required over an area.
@@ -89,22 +87,14 @@ impl Candidate {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(specification: &'a Specification) -> Self {
-        let samples = |density| Arc::new(specification.area.samples(density));
+    /// The search for an arm with this least 1/κ.
+    pub(super) fn new(specification: &'a Specification, dexterity: f64) -> Self {
         Self {
             specification,
-            dexterity: specification.dexterity,
-            search: samples(Density::Search),
-            check: samples(Density::Check),
-            evaluations: Arc::default(),
-        }
-    }
-
-    /// The same problem with another least dexterity.
-    pub(super) fn requiring(&self, dexterity: f64) -> Self {
-        Self {
             dexterity,
-            ..self.clone()
+            search: specification.area.samples(Density::Search),
+            check: specification.area.samples(Density::Check),
+            evaluations: AtomicU64::new(0),
         }
     }
 
@@ -112,31 +102,94 @@ impl<'a> Problem<'a> {
         self.evaluations.load(Ordering::Relaxed)
     }
 
-    /// The best design that the search finds.
-    pub(super) fn solve(&self, seed: u64) -> Result<Design, SynthesisError> {
+    /// The best design that the search finds, with its score; without one, how far its best candidate falls short,
+    /// below 0. `record` receives the candidates that meet the requirements.
+    pub(super) fn solve(
+        &self,
+        seed: u64,
+        record: &mut dyn FnMut(&[study::Candidate]),
+    ) -> (f64, Option<Design>) {
         let dimensions = if self.specification.symmetric { 3 } else { 6 };
         let score = |point: &[f64], density| self.scale(&self.candidate(point), density).0;
-        let (near, _) = maximise(dimensions, GENERATIONS, seed, |point| {
-            score(point, Density::Search)
-        });
+        let (near, _) = maximise(
+            dimensions,
+            GENERATIONS,
+            seed,
+            |point| score(point, Density::Search),
+            |scored| {
+                self.record(
+                    scored.iter().map(|(point, score)| (&**point, *score)),
+                    record,
+                )
+            },
+        );
         let beside = |point: &[f64]| -> Vec<f64> {
             let steps = near.iter().zip(point);
             steps
                 .map(|(near, x)| (near + BESIDE * (x - 0.5)).clamp(0.0, 1.0))
                 .collect()
         };
-        let (point, _) = maximise(dimensions, CHECK_GENERATIONS, seed, |point| {
-            score(&beside(point), Density::Check)
-        });
+        let (point, _) = maximise(
+            dimensions,
+            CHECK_GENERATIONS,
+            seed,
+            |point| score(&beside(point), Density::Check),
+            |scored| {
+                let points: Vec<_> = scored.iter().map(|(point, _)| beside(point)).collect();
+                let scores = scored.iter().map(|(_, score)| *score);
+                self.record(points.iter().map(|point| &**point).zip(scores), record);
+            },
+        );
         let point = beside(&point);
         let candidate = self.candidate(&point);
         match self.scale(&candidate, Density::Check) {
-            (_, Some((sum, size))) => {
+            (score, Some((sum, size))) => {
                 let (lengths, place) = (candidate.lengths(sum), candidate.place(sum));
-                Ok(self.design(lengths, Placed { size, place }))
+                (score, Some(self.design(lengths, Placed { size, place })))
             }
-            (score, None) => Err(SynthesisError::NotFound(NOT_MET - score)),
+            (score, None) => (score - NOT_MET, None),
         }
+    }
+
+    /// Gives the candidates that meet the requirements to `record`.
+    fn record<'p>(
+        &self,
+        scored: impl Iterator<Item = (&'p [f64], f64)>,
+        record: &mut dyn FnMut(&[study::Candidate]),
+    ) {
+        let candidates: Vec<_> = scored
+            .filter(|(_, score)| *score > 0.5 * NOT_MET)
+            .map(|(point, score)| {
+                let candidate = self.candidate(point);
+                let (sum, size) = self.scaled(&candidate, score);
+                study::Candidate {
+                    lengths: candidate.lengths(sum),
+                    size,
+                    place: candidate.place(sum),
+                    score,
+                }
+            })
+            .collect();
+        record(&candidates);
+    }
+
+    /// The links' sum and the area's size [m] of a candidate with this score.
+    fn scaled(&self, candidate: &Candidate, score: f64) -> (f64, f64) {
+        let half_base = 0.5 * candidate.base;
+        match self.specification.objective {
+            Objective::Size => (self.longest(candidate.base), score),
+            Objective::LinkSum(size) => (-score - half_base, size),
+            Objective::Dexterity(size) => (self.longest(candidate.base), size),
+        }
+    }
+
+    /// The greatest sum of the links beside a base [m].
+    fn longest(&self, base: f64) -> f64 {
+        let ample = match self.specification.objective {
+            Objective::Size => f64::INFINITY,
+            Objective::LinkSum(size) | Objective::Dexterity(size) => AMPLE * (size + base),
+        };
+        self.specification.link_sum.min(ample) - 0.5 * base
     }
 
     /// A design with the least 1/κ of its area.
@@ -193,13 +246,7 @@ impl<'a> Problem<'a> {
             self.worst(candidate.lengths(sum), Placed { size, place }, density)
                 .margin
         };
-        let ample = match self.specification.objective {
-            Objective::Size => f64::INFINITY,
-            Objective::LinkSum(size) | Objective::Dexterity(size) => {
-                AMPLE * (size + candidate.base)
-            }
-        };
-        let most = self.specification.link_sum.min(ample) - half_base;
+        let most = self.longest(candidate.base);
         if most <= 0.0 {
             return (NOT_MET - 1.0 + most, None);
         }

@@ -90,7 +90,7 @@ impl Problem<'_> {
         let is_on_axis = self.specification.symmetric || self.specification.area == Area::Annulus;
         let dimensions = if is_on_axis { 1 } else { 2 };
         let search = |point: &[f64]| score(place(point), Density::Search).0;
-        let place = place(&maximise(dimensions, GENERATIONS, seed, search).0);
+        let place = place(&maximise(dimensions, GENERATIONS, seed, search, |_| ()).0);
         let (score, size) = score(place, Density::Check);
         let size = size.unwrap_or(wanted);
         let design = self.design(lengths, Placed { size, place });

@@ -9,7 +9,9 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 /// The most designs of a front.
-const MOST_DESIGNS: usize = 20;
+const MOST_DESIGNS: usize = 200;
+/// The most searches of a design.
+const MOST_STARTS: usize = 100_000;
 /// Greatest length [m]; greater numbers are probably in millimetres.
 const LONGEST: f64 = 20.0;
 /// Chords of a full turn of an arc.
@@ -63,6 +65,8 @@ struct ObjectiveFile {
     minimise: Option<Minimise>,
     #[serde(default = "one")]
     front: usize,
+    #[serde(default = "one")]
+    starts: usize,
 }
 
 fn one() -> usize {
@@ -115,6 +119,19 @@ pub fn read(path: &Path) -> Result<Specification, FileError> {
 /// # Errors
 /// A missing key, or a value that is not valid, with its line.
 pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Specification, FileError> {
+    let read_drawing = |name: &str| read_job(&folder.join(name)).map_err(|error| error.to_string());
+    parse_with(file, text, &read_drawing)
+}
+
+/// As [`parse`], with the drawing's text from `read_drawing`, which gets the name that the specification has for it.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_with(
+    file: &str,
+    text: &str,
+    read_drawing: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<Specification, FileError> {
     let source = Source { file, text };
     let spec: SpecFile = source.parse()?;
     let mut refusals = Refusals::default();
@@ -150,7 +167,12 @@ pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Specification, Fil
         let reason = format!("must be 1 to {MOST_DESIGNS} designs, not {front}");
         refusals.add(source.refuse(Key::In("objective", "front"), reason));
     }
-    let area = refusals.noted(area(&source, &spec.area, is_sought, folder));
+    let starts = spec.objective.starts;
+    if !(1..=MOST_STARTS).contains(&starts) {
+        let reason = format!("must be 1 to {MOST_STARTS} searches, not {starts}");
+        refusals.add(source.refuse(Key::In("objective", "starts"), reason));
+    }
+    let area = refusals.noted(area(&source, &spec.area, is_sought, read_drawing));
     let (objective, other) = (&spec.objective.maximise, &spec.objective.minimise);
     let one_objective = objective.is_some() != other.is_some();
     if !one_objective {
@@ -174,6 +196,7 @@ pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Specification, Fil
         sine: spec.require.sine,
         objective,
         front,
+        starts,
     })
 }
 
@@ -182,7 +205,7 @@ fn area(
     source: &Source<'_>,
     area: &AreaFile,
     is_sought: bool,
-    folder: &Path,
+    read_drawing: &dyn Fn(&str) -> Result<String, String>,
 ) -> Result<(Area, f64), FileError> {
     let key = |name| Key::In("area", name);
     let given = [
@@ -246,7 +269,7 @@ fn area(
             let missing = "is missing: name a G-code or SVG file beside this one";
             let name = area.file.as_ref();
             let name = name.ok_or_else(|| source.refuse(key("file"), missing))?;
-            let text = read_job(&folder.join(name));
+            let text = read_drawing(name);
             let text =
                 text.map_err(|error| source.refuse(key("file"), format!("`{name}`: {error}")))?;
             let job = Job::parse(&text, &AS_DRAWN);

@@ -23,8 +23,8 @@ from ._errors import (
     StudyError,
     UnreachableError,
 )
-from ._measured import Found
-from ._mechanisms import linkage, mobility
+from ._measured import Found, Photo
+from ._mechanisms import linkage, linkage_accuracy, mobility, slider_accuracy
 from ._plant import Plant
 from ._results import (
     Forward,
@@ -38,7 +38,7 @@ from ._results import (
 from ._robots import built_in
 from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
-from ._studies import Design, design
+from ._synthesis import Design, design
 
 __all__ = [
     "Arm",
@@ -54,6 +54,7 @@ __all__ = [
     "JobError",
     "Motion",
     "NO_MISMATCH",
+    "Photo",
     "Plant",
     "PoseError",
     "Reaction",
@@ -69,8 +70,10 @@ __all__ = [
     "built_in",
     "design",
     "linkage",
+    "linkage_accuracy",
     "mobility",
     "simulate",
+    "slider_accuracy",
 ]
 
 # Tracebacks and help show the package's name instead of the private module's.

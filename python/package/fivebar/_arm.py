@@ -131,6 +131,11 @@ class Arm(ArmStudies):
         return self._robot.name
 
     @property
+    def toml(self) -> str:
+        """The text of its robot file."""
+        return self._robot.text
+
+    @property
     def lengths(self) -> Tuple[float, ...]:
         """l1, l2, l3, l4 and the base AE [m]."""
         return tuple(self._robot.lengths)
@@ -390,6 +395,8 @@ class Arm(ArmStudies):
         seed: Optional[int] = None,
         computed_torque: Optional[bool] = None,
         mismatch: Optional[Mismatch] = None,
+        compare_pid: bool = False,
+        by_cause: bool = False,
     ) -> Run:
         """Runs a job with the simulated arm under the production control loop.
 
@@ -405,7 +412,9 @@ class Arm(ArmStudies):
         the controller's model: ``link_mass`` and ``friction`` as extra shares, ``payload``
         [kg], ``current_noise`` and ``current_offset`` [ADC codes], and the other keys of a
         scenario's ``[mismatch]`` with their lists (docs/use/robot-file.md); ``fivebar.NO_MISMATCH``
-        for no difference.
+        for no difference. compare_pid: run it with PID at each joint, too, for
+        ``summary["pid_tip_error"]``, as the program does. by_cause: with each mismatch alone, too, for
+        ``summary["by_cause"]``.
 
         A fault of the arm ends the run and is part of its result. Raises
         :class:`fivebar.JobError` with the line if the arm cannot do the job,
@@ -418,7 +427,9 @@ class Arm(ArmStudies):
         >>> run.summary["tip_error"]["max_m"] < 1e-4
         True
         """
-        return run(self._robot, job, origin, scale, seed, computed_torque, mismatch)
+        return run(
+            self._robot, job, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause
+        )
 
     def _ask(
         self,

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, Mapping, Optional, Sequence, Union
+import os
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _measured, _native, _studies
 from ._errors import FivebarError
-from ._measured import Found
-from ._shapes import pair, rows
+from ._measured import Found, Photo
+from ._shapes import Floats, pair, rows
+from ._simulation import scenario_of
 
 #: The columns of tables of measurements.
 POINTS = ("counts1", "counts4", "x", "y")
 BARS = ("from1", "from4", "to1", "to4", "length")
 HOLES = ("hole", "counts1", "counts4")
 PHOTO = ("counts1", "counts4", "u", "v")
+DISTANCES = ("from", "to", "length")
 LOG = ("time_s", "theta1_rad", "theta4_rad", "current1_a", "current4_a")
 
 
@@ -68,6 +71,84 @@ class ArmStudies:
             raise FivebarError(f"jerk must be a positive finite number, not {jerk!r}")
         return _studies.plan(self._robot, path, torque_share, jerk)
 
+    def crossing(
+        self, start: ArrayLike, end: ArrayLike, time: float, *, simulate: bool = False
+    ) -> Dict[str, Any]:
+        """A crossing of a singularity of type 2: ``fivebar plan --crossing --json``.
+
+        start, end: of its line [m]; time: its duration [s]; simulate: follow it on the simulated arm,
+        too. The robot file must allow crossings. Raises :class:`fivebar.StudyError`.
+        """
+        ends = [pair("start", start), pair("end", end)]
+        return dict(json.loads(_native.crossing(self._robot, ends, time, simulate)))
+
+    def clearance(
+        self,
+        radii: Sequence[ArrayLike],
+        job: Union[None, str, "os.PathLike[str]"] = None,
+        *,
+        origin: Optional[ArrayLike] = None,
+        scale: Optional[float] = None,
+    ) -> Dict[str, Any]:
+        """A job with worn joints beside the new arm: ``fivebar clearance --json``.
+
+        radii: for each run the radial clearances of the joints A to E [m], or one for all five. job,
+        origin, scale: as in :meth:`fivebar.Arm.simulate`; by default a petal of two arcs. Raises
+        :class:`fivebar.JobError`, :class:`fivebar.StudyError`.
+        """
+        worn = [np.broadcast_to(np.asarray(radius, dtype=float), 5).tolist() for radius in radii]
+        if not np.all(np.isfinite(worn)) or np.min(worn, initial=0.0) < 0.0:
+            raise FivebarError("radii must be finite lengths [m], 0 or more")
+        place = None if origin is None else pair("origin", origin)
+        scenario = (
+            _native.Scenario.petal(self._robot) if job is None else scenario_of(self._robot, job)
+        )
+        return dict(json.loads(_native.clearance(scenario, worn, place, scale)))
+
+    def photo_marks(
+        self,
+        job: _studies.Source,
+        *,
+        origin: Optional[ArrayLike] = None,
+        scale: float = 1.0,
+        turn: float = 0.0,
+    ) -> Tuple[str, Dict[str, Any]]:
+        """A job that draws four marks beside a drawing, and their places: ``fivebar photo --draw-marks --json``.
+
+        Run it with the origin (0, 0). Arguments as for :meth:`photo`.
+        """
+        text, places = _native.photo_marks(self._robot, _placed(job, origin, scale, turn))
+        return text, json.loads(places)
+
+    def photo(
+        self,
+        job: _studies.Source,
+        picture: "os.PathLike[str]",
+        marks: _studies.Source,
+        *,
+        origin: Optional[ArrayLike] = None,
+        scale: float = 1.0,
+        turn: float = 0.0,
+        distances: Optional[ArrayLike] = None,
+        lens: Optional[float] = None,
+        window: float = 1.5e-3,
+    ) -> Photo:
+        """A photograph or a scan of a finished drawing beside its job: ``fivebar photo --json``.
+
+        job, marks: G-code, or the ``pathlib.Path`` of a file; marks as :meth:`photo_marks` gives it.
+        picture: PNG or JPEG, not cropped. origin [m], scale, turn [rad]: where the job was drawn.
+        distances: measured between the marks' centres, rows of two marks (1 to 4) and a length [m].
+        lens: its distortion, 0 for a scanner; by default found from the strokes. window: how far
+        beside its place ink is searched [m]. Raises :class:`fivebar.StudyError`.
+        """
+        measured = None if distances is None else rows("distances", distances, DISTANCES)
+        _, text = _studies.text_of(marks)
+        placed = _placed(job, origin, scale, turn)
+        figures, points = _native.photo(
+            self._robot, placed, os.fspath(picture), text, measured, lens, window
+        )
+        return Photo(json.loads(figures), points)
+
     def accuracy(
         self,
         at: ArrayLike,
@@ -94,14 +175,24 @@ class ArmStudies:
         return dict(json.loads(_native.accuracy(self._robot, state, samples, seed)))
 
     def accuracy_map(
-        self, *, region: Optional[Sequence[float]] = None, force: ArrayLike = (0.0, 0.0)
+        self,
+        *,
+        region: Optional[Sequence[float]] = None,
+        force: ArrayLike = (0.0, 0.0),
+        wanted: Optional[float] = None,
+        classes: Optional["os.PathLike[str]"] = None,
     ) -> Dict[str, Any]:
         """The same over the workspace: ``fivebar accuracy --map --json``.
 
         region: x0, y0, x1, y1 of a rectangle [m]; by default the whole workspace. force on C [N].
+        With wanted, the cheapest of the tolerances in the file ``classes`` that keep the radial
+        standard deviation within wanted [m] everywhere.
         """
+        if (wanted is None) != (classes is None):
+            raise FivebarError("give wanted and classes together")
         corners = None if region is None else [float(number) for number in region]
-        found = _native.accuracy_map_of(self._robot, corners, pair("force", force))
+        limit = None if wanted is None or classes is None else (wanted, os.fspath(classes))
+        found = _native.accuracy_map_of(self._robot, corners, pair("force", force), limit)
         return dict(json.loads(found))
 
     def accuracy_along(
@@ -203,3 +294,18 @@ class ArmStudies:
     def excitations(self) -> Dict[str, Any]:
         """Two trajectories that excite the arm within its limits: ``fivebar identify --propose --json``."""
         return dict(json.loads(_native.excitations(self._robot)))
+
+    def simulated_log(self, *, second: bool = False) -> Floats:
+        """A log for :meth:`identify` of the simulated arm: ``fivebar identify --simulate``.
+
+        Ten periods of the first or the second of the :meth:`excitations`, a row for every tick.
+        """
+        return np.array(_native.simulated_log(self._robot, second))
+
+
+def _placed(
+    job: _studies.Source, origin: Optional[ArrayLike], scale: float, turn: float
+) -> Tuple[str, str, Optional[List[float]], float, float]:
+    name, text = _studies.text_of(job)
+    place = None if origin is None else pair("origin", origin)
+    return name, text, place, scale, turn

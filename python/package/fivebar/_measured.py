@@ -19,6 +19,17 @@ class Found:
     warnings: List[str]
 
 
+@dataclass(frozen=True)
+class Photo:
+    """A photograph of a drawing, compared with its job."""
+
+    #: The figures of ``fivebar photo --json``; the units are in the keys.
+    figures: Dict[str, Any]
+    #: Where strokes of different directions are near each other: rows of counts1, counts4, u, v for
+    #: :meth:`fivebar.Arm.calibrate`. Empty where the pen is beside C, or the arm has no counts.
+    points: List[List[float]]
+
+
 def found(answer: Tuple[str, str, List[str]]) -> Found:
     """The answer of the compiled half."""
     figures, robot, warnings = answer

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List
+import os
+from typing import Any, Dict, List, Union
+
+from numpy.typing import ArrayLike
 
 from . import _native
+from ._shapes import pair
 from ._studies import Source, text_of
 
 
@@ -36,3 +40,35 @@ def mobility(source: Source) -> List[Dict[str, Any]]:
     """
     name, text = text_of(source)
     return [json.loads(answer) for answer in _native.mobility(name, text)]
+
+
+def linkage_accuracy(
+    source: Union[str, "os.PathLike[str]"], *, time: float = 0.0, samples: int = 100_000, seed: int = 1
+) -> Dict[str, Any]:
+    """The effect of a linkage's tolerances over its sweep: ``fivebar accuracy --json``.
+
+    source: the name of a built-in example, or the path of a file. time: the instant to sample [s].
+    Raises :class:`fivebar.StudyError`.
+
+    >>> "monte_carlo" in linkage_accuracy("loose_four_bar", samples=100)
+    True
+    """
+    return dict(json.loads(_native.linkage_accuracy(os.fspath(source), time, samples, seed)))
+
+
+def slider_accuracy(
+    source: Union[str, "os.PathLike[str]"],
+    at: ArrayLike,
+    *,
+    force: ArrayLike = (0.0, 0.0),
+    samples: int = 100_000,
+    seed: int = 1,
+) -> Dict[str, Any]:
+    """The same for the slider-driven mechanism with P at a point [m]: ``fivebar accuracy --at --json``.
+
+    source: the name of a built-in robot, or the path of a file. force on P [N].
+    """
+    answer = _native.slider_accuracy(
+        os.fspath(source), pair("at", at), pair("force", force), samples, seed
+    )
+    return dict(json.loads(answer))

@@ -8,19 +8,22 @@ from numpy.typing import NDArray
 _Numbers = NDArray[np.float64]
 _Signs = NDArray[np.int8]
 _Rows = Sequence[Sequence[float]]
+_Placed = Tuple[str, str, Optional[Sequence[float]], float, float]
 _Answer = Tuple[List[_Numbers], NDArray[np.uint8]]
 
 __all__ = [
     "Plant",
     "Robot",
     "Scenario",
+    "Study",
     "accuracy",
     "accuracy_along",
     "accuracy_map_of",
     "built_in",
     "calibrate",
     "calibration_poses",
-    "design",
+    "clearance",
+    "crossing",
     "excitations",
     "export",
     "forward",
@@ -31,11 +34,16 @@ __all__ = [
     "inverse_dynamics",
     "inverse_motion",
     "linkage",
+    "linkage_accuracy",
     "margins",
     "mobility",
     "mode_change",
     "motion",
+    "photo",
+    "photo_marks",
     "plan",
+    "simulated_log",
+    "slider_accuracy",
     "statuses",
     "workspace",
 ]
@@ -48,6 +56,8 @@ class Robot:
     def parse(file: str, text: str) -> Robot: ...
     @property
     def name(self) -> str: ...
+    @property
+    def text(self) -> str: ...
     @property
     def lengths(self) -> List[float]: ...
     @property
@@ -69,6 +79,8 @@ class Scenario:
     def of_file(path: str, robot: Optional[Robot]) -> Scenario: ...
     @staticmethod
     def of_text(robot: Robot, text: str) -> Scenario: ...
+    @staticmethod
+    def petal(robot: Robot) -> Scenario: ...
     def run(
         self,
         *,
@@ -77,6 +89,8 @@ class Scenario:
         seed: Optional[int],
         computed_torque: Optional[bool],
         mismatch: Dict[str, Any],
+        compare_pid: bool,
+        by_cause: bool,
     ) -> Tuple[
         str,
         Dict[str, NDArray[Any]],
@@ -104,6 +118,22 @@ class Plant:
     def tool(self) -> List[float]: ...
     @property
     def time(self) -> float: ...
+
+@final
+class Study:
+    def __new__(
+        cls, file: str, text: str, folder: str, seed: int, drawing: Optional[str]
+    ) -> Study: ...
+    def __getnewargs__(self) -> Tuple[str, str, str, int, Optional[str]]: ...
+    @property
+    def searches(self) -> int: ...
+    def required_dexterity(self, index: int) -> float: ...
+    def search(
+        self, index: int, threads: int, record: bool
+    ) -> Tuple[str, Optional[_Numbers]]: ...
+    def finish(self, found: Sequence[str]) -> Tuple[str, str]: ...
+    def kept(self, found: Sequence[Optional[str]]) -> str: ...
+    def known(self, text: str) -> Optional[List[Optional[str]]]: ...
 
 def built_in() -> List[str]: ...
 def mode_change(
@@ -144,13 +174,39 @@ def margins(robot: Robot) -> str: ...
 def plan(
     robot: Robot, file: str, text: str, torque_share: float, jerk: Optional[float]
 ) -> str: ...
-def design(file: str, text: str, folder: str, seed: int) -> Tuple[str, str]: ...
 def accuracy(
     robot: Robot, state: Sequence[Sequence[float]], samples: int, seed: int
 ) -> str: ...
 def accuracy_map_of(
-    robot: Robot, region: Optional[Sequence[float]], force: Sequence[float]
+    robot: Robot,
+    region: Optional[Sequence[float]],
+    force: Sequence[float],
+    wanted: Optional[Tuple[float, str]],
 ) -> str: ...
+def linkage_accuracy(file: str, time: float, samples: int, seed: int) -> str: ...
+def slider_accuracy(
+    file: str, at: Sequence[float], force: Sequence[float], samples: int, seed: int
+) -> str: ...
+def crossing(
+    robot: Robot, ends: Sequence[Sequence[float]], time: float, simulate: bool
+) -> str: ...
+def clearance(
+    scenario: Scenario,
+    clearances: _Rows,
+    origin: Optional[Sequence[float]],
+    scale: Optional[float],
+) -> str: ...
+def photo_marks(robot: Robot, job: _Placed) -> Tuple[str, str]: ...
+def photo(
+    robot: Robot,
+    job: _Placed,
+    picture: str,
+    marks: str,
+    distances: Optional[_Rows],
+    lens: Optional[float],
+    window: float,
+) -> Tuple[str, List[List[float]]]: ...
+def simulated_log(robot: Robot, second: bool) -> List[List[float]]: ...
 def accuracy_along(
     robot: Robot,
     file: str,

@@ -112,13 +112,15 @@ def simulate(
     seed: Optional[int] = None,
     computed_torque: Optional[bool] = None,
     mismatch: Optional[Mismatch] = None,
+    compare_pid: bool = False,
+    by_cause: bool = False,
 ) -> Run:
     """Runs a scenario file with the robot that it names, as ``fivebar sim FILE`` does.
 
     The other arguments and the errors are those of :meth:`fivebar.Arm.simulate`.
     """
     scenario = _native.Scenario.of_file(os.fspath(file), None)
-    return _run(scenario, origin, scale, seed, computed_torque, mismatch)
+    return _run(scenario, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause)
 
 
 def run(
@@ -129,15 +131,21 @@ def run(
     seed: Optional[int],
     computed_torque: Optional[bool],
     mismatch: Optional[Mismatch],
+    compare_pid: bool,
+    by_cause: bool,
 ) -> Run:
     """Runs a job or a scenario with a robot; see :meth:`fivebar.Arm.simulate`."""
+    scenario = scenario_of(robot, job)
+    return _run(scenario, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause)
+
+
+def scenario_of(robot: _native.Robot, job: Union[str, os.PathLike[str]]) -> _native.Scenario:
+    """A job or a scenario with a robot; see :meth:`fivebar.Arm.simulate`."""
     if not isinstance(job, str):
-        scenario = _native.Scenario.of_file(os.fspath(job), robot)
-    elif job.endswith((".gcode", ".nc", ".toml")) and "\n" not in job:
+        return _native.Scenario.of_file(os.fspath(job), robot)
+    if job.endswith((".gcode", ".nc", ".toml")) and "\n" not in job:
         raise FivebarError(f"a str is taken for G-code; for a file give pathlib.Path({job!r})")
-    else:
-        scenario = _native.Scenario.of_text(robot, job)
-    return _run(scenario, origin, scale, seed, computed_torque, mismatch)
+    return _native.Scenario.of_text(robot, job)
 
 
 def _run(
@@ -147,6 +155,8 @@ def _run(
     seed: Optional[int],
     computed_torque: Optional[bool],
     mismatch: Optional[Mismatch],
+    compare_pid: bool,
+    by_cause: bool,
 ) -> Run:
     if origin is not None and not (len(origin) == 2 and all(map(math.isfinite, origin))):
         raise FivebarError(f"origin must be two finite numbers [m], not {origin!r}")
@@ -158,6 +168,8 @@ def _run(
         seed=seed,
         computed_torque=computed_torque,
         mismatch=dict(mismatch or {}),
+        compare_pid=compare_pid,
+        by_cause=by_cause,
     )
     alone = ("time", "line", "saturated", "tool_level")
     trace = {n: c if n in alone else c.reshape(-1, 2) for n, c in columns.items()}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Mapping, Optional, Union
 
@@ -22,44 +21,6 @@ def text_of(source: Source) -> "tuple[str, str]":
     if isinstance(source, str):
         return UNNAMED, source
     return os.fspath(source), Path(source).read_text(encoding="utf-8")
-
-
-@dataclass(frozen=True)
-class Design:
-    """An arm for a wanted work area."""
-
-    #: The figures of ``fivebar design --json``: best {link_lengths [5], size, link_sum,
-    #: dexterity, place [x, y]}, whole_millimetres (the same keys), front, sensitivity_per_m,
-    #: evaluations, proved, unproved_at, whole_proved. Lengths in metres.
-    figures: Dict[str, Any]
-    #: The robot file with lengths in whole millimetres, for :meth:`fivebar.Arm.from_toml`.
-    robot_toml: str
-
-
-def design(specification: Source, *, seed: int = 1) -> Design:
-    """Searches the lengths of an arm for a wanted work area, as ``fivebar design`` does.
-
-    The specification is TOML, or a ``pathlib.Path`` of such a file, beside which its drawing is
-    looked for; docs/design/synthesis.md describes its keys. The same seed gives the same answer.
-    Raises :class:`fivebar.StudyError`. It takes seconds to minutes, on all cores.
-
-    >>> found = design('''
-    ... symmetric = true
-    ... base = [0.0, 0.0]
-    ... link_sum = 0.3
-    ... [area]
-    ... kind = "annulus"
-    ... [require]
-    ... dexterity = 0.5
-    ... [objective]
-    ... maximise = "size"
-    ... ''')
-    >>> found.figures["proved"], round(found.figures["best"]["size"], 3)
-    (True, 0.245)
-    """
-    name, text = text_of(specification)
-    figures, robot = _native.design(name, text, str(Path(name).parent), seed)
-    return Design(json.loads(figures), robot)
 
 
 def workspace(robot: _native.Robot, resolution: Optional[float]) -> Dict[str, Any]:

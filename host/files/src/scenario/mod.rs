@@ -110,6 +110,16 @@ impl Scenario {
         self.arm.as_ref().unwrap_or(&self.robot)
     }
 
+    /// The same with PID at each joint, to compare with; none if it has PID itself, or steppers, which follow the
+    /// same micro-steps under any law.
+    pub fn under_pid(&self) -> Option<Self> {
+        let compared = self.control_law != ControlLaw::Pid && !self.robot.has_steppers();
+        compared.then(|| Self {
+            control_law: ControlLaw::Pid,
+            ..self.clone()
+        })
+    }
+
     /// A scenario with this robot and this job, under the declared mismatch.
     pub fn new(name: &str, robot: Robot, job_file: &str, job_text: String) -> Self {
         Self {

@@ -107,7 +107,7 @@ fn keys_of_other_kinds_and_missing_sizes_are_refused() {
         (
             "kind = \"annulus\"",
             "maximise = \"size\"\nfront = 0",
-            "1 to 20",
+            "1 to 200",
         ),
     ] {
         let error = spec(area, objective).unwrap_err();

@@ -7,9 +7,7 @@ use super::say::{print, say, warn};
 use super::value_error::ValueError;
 use clap::ArgGroup;
 use fivebar_design::accuracy::Sampling;
-use fivebar_design::accuracy::five_bar::{
-    ArmTolerance, ToolState, cheapest_classes, draws, monte_carlo,
-};
+use fivebar_design::accuracy::five_bar::{ArmTolerance, ToolState, draws, monte_carlo};
 use fivebar_design::accuracy::slider::sample_slider;
 use fivebar_files::accuracy_classes::Classes;
 use fivebar_files::job::{self, Job, Placement};
@@ -20,13 +18,13 @@ use fivebar_report::html::Page;
 use fivebar_report::output::write_whole;
 use fivebar_report::pages::accuracy::{at_page, linkage_page, map_page, path_page, slider_page};
 use fivebar_report::study::accuracy::{
-    accuracy_map, analyse, analyse_slider, answer, linkage_answer, map_answer, path_accuracy,
-    path_answer, slider_answer, study_linkage,
+    accuracy_map, allocation_answer, analyse, analyse_slider, answer, cheapest, linkage_answer,
+    map_answer, path_accuracy, path_answer, slider_answer, study_linkage,
 };
 use fivebar_report::text::quantity;
 use indicatif::ProgressBar;
 use nalgebra::Vector2;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -296,34 +294,17 @@ fn over_region(args: &Args, robot: &Robot, force: Vector2<f64>) -> Result<(Value
     let mut page = map_page(robot, &map);
     if let (Some(wanted), Some(path)) = (args.wanted, &args.classes) {
         let classes = Classes::read(path).map_err(refused)?;
-        let allocation = cheapest_classes(&map, wanted, &classes.inputs(), &classes.lengths())
-            .ok_or_else(|| {
-                let wanted = quantity(wanted, "m");
-                refused(format_args!(
-                    "even with the finest classes the deviation exceeds {wanted} somewhere: make \
-                     the region smaller with --region, or add finer classes"
-                ))
-            })?;
-        let names = classes.names(&allocation.choice);
+        let cheapest = cheapest(&map, wanted, &classes).map_err(refused)?;
         page.heading("The cheapest tolerances");
-        page.table(
-            &["dimension", "class"],
-            &names
-                .iter()
-                .map(|(d, c)| vec![(*d).into(), c.clone()])
-                .collect::<Vec<_>>(),
-        );
-        let worst = allocation.worst_variance.sqrt();
+        let rows = cheapest.names.iter();
+        let rows: Vec<_> = rows.map(|(d, c)| vec![(*d).into(), c.clone()]).collect();
+        page.table(&["dimension", "class"], &rows);
         page.paragraph(&format!(
             "Their total cost is {}; the greatest radial standard deviation is {}.",
-            allocation.cost,
-            quantity(worst, "m")
+            cheapest.allocation.cost,
+            quantity(cheapest.allocation.worst_variance.sqrt(), "m")
         ));
-        answer["allocation"] = json!({
-            "cost": allocation.cost,
-            "worst_radial_sd_m": worst,
-            "classes": names.into_iter().map(|(d, c)| (d.to_string(), json!(c))).collect::<Value>(),
-        });
+        answer["allocation"] = allocation_answer(&cheapest);
     }
     Ok((answer, page))
 }

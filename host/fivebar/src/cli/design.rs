@@ -2,13 +2,15 @@
 
 use super::failure::{Failure, refused};
 use super::say::{hint, print, say};
-use fivebar_design::synthesis::synthesise;
+use fivebar_design::synthesis::{Study, Synthesis, SynthesisError};
 use fivebar_files::design_spec;
-use fivebar_report::output::OutputFolder;
-use fivebar_report::study::synthesis;
+use fivebar_report::output::{OutputFolder, write_whole};
+use fivebar_report::study::synthesis::{self, SEARCHES, known_searches, searches_text};
 use fivebar_report::text;
+use std::fs;
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 /// Searches the lengths of an arm for a wanted work area.
 ///
@@ -20,7 +22,8 @@ pub(super) struct Args {
     /// What is wanted of the arm.
     #[arg(value_name = "SPEC.toml")]
     specification: PathBuf,
-    /// Also write DIR/best.toml, a robot file with lengths in whole millimetres.
+    /// Also write DIR/best.toml, a robot file with lengths in whole millimetres. Each search that is done is kept in
+    /// DIR/searches.json: the same command goes on from there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// The seed of the search; the same seed gives the same answer.
@@ -36,17 +39,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let folder = args.out.as_ref();
     let folder = folder.map(|path| OutputFolder::prepare(path, "--out").map_err(refused));
     let folder = folder.transpose()?;
-    let shows_progress = stderr().is_terminal();
-    let progress = |share: f64| {
-        if shows_progress {
-            hint(format_args!("\rsearching: {:3.0} %", 100.0 * share));
-        }
-    };
-    let found = synthesise(&specification, args.seed, &progress);
-    if shows_progress {
-        hint("\r                \r");
-    }
-    let found = found
+    let study = Study::new(&specification, args.seed);
+    let found = searched(&study, folder.as_ref())
         .map_err(|error| refused(format_args!("{}: {error}", args.specification.display())))?;
     if let Some(folder) = &folder {
         let stem = args.specification.file_stem().unwrap_or_default();
@@ -69,4 +63,33 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )),
         None => Ok(()),
     }
+}
+
+/// Searches, goes on from what DIR has of the same study, and keeps each result there.
+fn searched(study: &Study, folder: Option<&OutputFolder>) -> Result<Synthesis, SynthesisError> {
+    let file = folder.map(|folder| folder.path().join(SEARCHES));
+    let text = file.as_ref().and_then(|file| fs::read_to_string(file).ok());
+    let known = text.and_then(|text| known_searches(study, &text));
+    let known = known.unwrap_or_else(|| vec![None; study.searches()]);
+    let shows_progress = stderr().is_terminal();
+    let all = Mutex::new(known.clone());
+    let found = study.run(&known, &|index, found| {
+        let Ok(mut all) = all.lock() else { return };
+        all[index] = Some(*found);
+        if let (Some(file), Ok(text)) = (&file, searches_text(study, &all)) {
+            // Without the file the search only cannot go on from here.
+            let _ = write_whole(file, text);
+        }
+        if shows_progress {
+            let done = all.iter().flatten().count();
+            hint(format_args!(
+                "\rsearching: {done} of {} searches",
+                all.len()
+            ));
+        }
+    });
+    if shows_progress {
+        hint("\r                                   \r");
+    }
+    found
 }

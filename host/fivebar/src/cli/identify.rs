@@ -11,8 +11,8 @@ use fivebar_plant::Mismatch;
 use fivebar_report::export::motion_csv;
 use fivebar_report::output::write_whole;
 use fivebar_report::study::identification::{
-    StudyError, answer, identify_robot, measured, measured_payload, payload_answer, payload_of,
-    proposal_answer, propose_for, validation_answer, validations, warning,
+    PERIODS, StudyError, answer, identify_robot, measured, measured_payload, payload_answer,
+    payload_of, proposal_answer, propose_for, validation_answer, validations, warning,
 };
 use fivebar_report::text;
 use fivebar_sim::excitation::excite;
@@ -57,9 +57,6 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
 }
-
-/// Periods of a simulated log.
-const PERIODS: u32 = 10;
 
 const COLUMNS: [&str; 5] = [
     "time_s",

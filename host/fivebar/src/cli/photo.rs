@@ -6,7 +6,7 @@ use super::run_args::JobArgs;
 use super::say::{leave_output_to, print, say, warn};
 use super::value_error::ValueError;
 use clap::ArgGroup;
-use fivebar_design::photo::{Lens, MarkDistance, Photograph, compare, measured_marks};
+use fivebar_design::photo::{Lens, Photograph, compare};
 use fivebar_files::measurements::read_columns;
 use fivebar_files::picture::read_picture;
 use fivebar_files::scenario::Scenario;
@@ -15,7 +15,7 @@ use fivebar_report::output::{OutputFolder, write_whole};
 use fivebar_report::picture::drawing_errors;
 #[cfg(feature = "png")]
 use fivebar_report::picture::png;
-use fivebar_report::study::photo::{PhotoStudy, marks_job, marks_of, strokes};
+use fivebar_report::study::photo::{PhotoStudy, marks_job, marks_of, measured_places, strokes};
 use fivebar_report::text;
 use nalgebra::Vector2;
 use serde_json::json;
@@ -133,9 +133,7 @@ fn measure(
     let text = fivebar_files::job::read(marks_file).map_err(|error| in_marks(&error))?;
     let drawn = marks_of(&text).map_err(|error| in_marks(&error))?;
     let measured = args.distances.as_ref();
-    let measured = measured
-        .map(|file| measured_places(drawn, file))
-        .transpose()?;
+    let measured = measured.map(|file| measured_in(drawn, file)).transpose()?;
     let picture = read_picture(picture_file).map_err(refused)?;
     let job = scenario.job().map_err(refused)?;
     let start = scenario.home_point().unwrap_or_default().map(f64::from);
@@ -157,10 +155,8 @@ fn measure(
     };
     write(args, scenario, &folder, &study)?;
     if args.json {
-        let mut answer = study.answer();
-        answer["job"] = scenario.job_file.clone().into();
-        answer["picture"] = picture_file.display().to_string().into();
-        answer["robot"] = scenario.robot.name.clone().into();
+        let picture = picture_file.display().to_string();
+        let mut answer = study.answer(&scenario.job_file, &picture, &scenario.robot.name);
         answer["out_dir"] = folder.path().display().to_string().into();
         return say(answer);
     }
@@ -209,25 +205,9 @@ fn write(
     write_whole(points, photo_points_csv(&rows)).map_err(refused)
 }
 
-/// The marks with the distances in a table; marks are counted from 1 there.
-fn measured_places(drawn: [Vector2<f64>; 4], file: &Path) -> Result<[Vector2<f64>; 4], Failure> {
-    let in_file =
-        |reason: &dyn std::fmt::Display| refused(format_args!("{}: {reason}", file.display()));
+/// The marks with the distances in a table.
+fn measured_in(drawn: [Vector2<f64>; 4], file: &Path) -> Result<[Vector2<f64>; 4], Failure> {
     let rows = read_columns(file, ["from", "to", "length"]).map_err(refused)?;
-    let mark = |number: f64| {
-        let found = [1.0, 2.0, 3.0, 4.0].iter().position(|mark| *mark == number);
-        found.ok_or_else(|| {
-            in_file(&format_args!(
-                "the marks have the numbers 1 to 4, not {number}"
-            ))
-        })
-    };
-    let distances = rows
-        .iter()
-        .map(|&[from, to, length]| {
-            let between = [mark(from)?, mark(to)?];
-            Ok(MarkDistance { between, length })
-        })
-        .collect::<Result<Vec<_>, Failure>>()?;
-    measured_marks(drawn, &distances).map_err(|error| in_file(&error))
+    measured_places(drawn, &rows)
+        .map_err(|error| refused(format_args!("{}: {error}", file.display())))
 }

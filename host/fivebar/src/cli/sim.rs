@@ -6,7 +6,7 @@ use super::repeat::{Compared, RepeatArgs, print as print_runs};
 use super::run_args::RunArgs;
 use super::say::{say, warn};
 use fivebar_files::job::Job;
-use fivebar_files::scenario::{ControlLaw, Scenario};
+use fivebar_files::scenario::Scenario;
 use fivebar_report::pages::RunReport;
 use fivebar_report::text::{self, conditions, fault_and_next_step, quantity, stopped_by};
 use fivebar_sim::simulation::{CauseError, Record, RunError, Simulate, Summary, TipError};
@@ -94,14 +94,8 @@ fn run_once(
     let (ours, pid) = rayon::join(
         || scenario.simulate(job, progress),
         || {
-            // Steppers follow the same micro-steps under any law.
-            let compared =
-                scenario.control_law != ControlLaw::Pid && !scenario.robot.has_steppers();
-            let pid = Scenario {
-                control_law: ControlLaw::Pid,
-                ..scenario.clone()
-            };
-            compared.then(|| pid.simulate(job, &mut |_| ()))
+            let pid = scenario.under_pid();
+            pid.map(|pid| pid.simulate(job, &mut |_| ()))
         },
     );
     let (summary, record) = ours.map_err(|error| refusal(scenario, &error))?;

@@ -1,7 +1,8 @@
 //! A synthesis as JSON, and its designs as robot files.
 
-use fivebar_design::synthesis::{Design, Proof, Synthesis};
+use fivebar_design::synthesis::{Design, Found, Proof, Study, Synthesis};
 use fivebar_files::robot::{Draft, DraftError, Motors};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 /// One JSON object. `unproved_at` is where the proof of the best design ended, else `null`.
@@ -48,4 +49,36 @@ pub fn robot_file(name: &str, design: &Design) -> Result<String, DraftError> {
         draft.check()?;
     }
     Ok(draft.text())
+}
+
+/// The name of the file of a study's searches.
+pub const SEARCHES: &str = "searches.json";
+
+/// The searches of a study that are done, as a file has them.
+#[derive(Serialize, Deserialize)]
+struct Searches {
+    study: String,
+    found: Vec<Option<Found>>,
+}
+
+/// The file of the searches that are done.
+///
+/// # Errors
+/// None that a study has: the numbers are finite.
+pub fn searches_text(study: &Study, found: &[Option<Found>]) -> Result<String, serde_json::Error> {
+    serde_json::to_string(&Searches {
+        study: identity(study),
+        found: found.to_vec(),
+    })
+}
+
+/// The searches of such a file; none if it is of another study or of another version of the search.
+pub fn known_searches(study: &Study, text: &str) -> Option<Vec<Option<Found>>> {
+    let searches: Searches = serde_json::from_str(text).ok()?;
+    let is_same = searches.study == identity(study) && searches.found.len() == study.searches();
+    is_same.then_some(searches.found)
+}
+
+fn identity(study: &Study) -> String {
+    format!("{} {study:?}", env!("CARGO_PKG_VERSION"))
 }

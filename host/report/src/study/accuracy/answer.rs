@@ -1,5 +1,6 @@
 //! The analysis as JSON; the Monte Carlo figures have the same keys as the analytic ones.
 
+use super::five_bar::Cheapest;
 use super::path::PathAccuracy;
 use fivebar_design::accuracy::Moments;
 use fivebar_design::accuracy::five_bar::{AccuracyAnalysis, AccuracyMap, MonteCarlo, ToolState};
@@ -162,6 +163,16 @@ pub fn map_answer(robot: &str, map: &AccuracyMap) -> Value {
         "reached_area_m2": places.len() as f64 * map.pitch * map.pitch,
         "worst": worst(map.reached()),
         "places": places,
+    })
+}
+
+/// The cheapest tolerances.
+pub fn allocation_answer(cheapest: &Cheapest) -> Value {
+    let names = cheapest.names.iter();
+    json!({
+        "cost": cheapest.allocation.cost,
+        "worst_radial_sd_m": cheapest.allocation.worst_variance.sqrt(),
+        "classes": names.map(|(dimension, class)| (dimension.to_string(), json!(class))).collect::<Value>(),
     })
 }
 

@@ -1,5 +1,6 @@
 //! Why an accuracy study has no result.
 
+use crate::text::quantity;
 use fivebar_design::accuracy::AnalysisError;
 use fivebar_design::accuracy::five_bar::MapError;
 
@@ -37,6 +38,13 @@ pub enum AccuracyStudyError {
     /// The region has no position that can be analysed.
     #[error("no position of the region is within reach and outside the singularity margin")]
     NothingReached,
+    /// No choice of classes keeps the deviation [m].
+    #[error(
+        "even with the finest classes the deviation exceeds {} somewhere: make the region smaller with \
+         --region, or add finer classes",
+        quantity(*.0, "m")
+    )]
+    TooCoarse(f64),
     /// The linkage cannot be solved at an instant [s].
     #[error("at {time} s: {explanation}")]
     Linkage {

@@ -1,7 +1,11 @@
 //! The accuracy of a robot: at one state, and over its workspace.
 
 use super::error::AccuracyStudyError;
-use fivebar_design::accuracy::five_bar::{self, AccuracyAnalysis, AccuracyMap, ToolState};
+use fivebar_design::accuracy::allocation::Allocation;
+use fivebar_design::accuracy::five_bar::{
+    self, AccuracyAnalysis, AccuracyMap, ToolState, cheapest_classes,
+};
+use fivebar_files::accuracy_classes::Classes;
 use fivebar_files::robot::Robot;
 use nalgebra::Vector2;
 
@@ -30,4 +34,28 @@ pub fn accuracy_map(
     let margin = robot.limits.singularity_margin;
     let map = five_bar::accuracy_map(&robot.toleranced(), margin, force, region)?;
     Ok(map)
+}
+
+/// The cheapest tolerances of a map.
+#[derive(Clone, Debug)]
+pub struct Cheapest {
+    /// The choice with its cost.
+    pub allocation: Allocation,
+    /// Each dimension with the name of its class.
+    pub names: Vec<(&'static str, String)>,
+}
+
+/// The cheapest of these classes that keep the radial standard deviation within `wanted` [m] all over a map.
+///
+/// # Errors
+/// Even the finest classes do not.
+pub fn cheapest(
+    map: &AccuracyMap,
+    wanted: f64,
+    classes: &Classes,
+) -> Result<Cheapest, AccuracyStudyError> {
+    let allocation = cheapest_classes(map, wanted, &classes.inputs(), &classes.lengths());
+    let allocation = allocation.ok_or(AccuracyStudyError::TooCoarse(wanted))?;
+    let names = classes.names(&allocation.choice);
+    Ok(Cheapest { allocation, names })
 }

@@ -15,6 +15,9 @@ use fivebar_files::robot::{HomeError, Measured, MeasuredKey, MissingMasses, Robo
 use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
+/// Periods of a simulated log.
+pub const PERIODS: u32 = 10;
+
 /// Why a robot cannot be identified, or an excitation not be proposed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -1,7 +1,7 @@
 //! The job that draws the marks, and its marks read back.
 
-use super::strokes;
-use fivebar_design::photo::MARK_STEP;
+use super::{PhotoStudyError, strokes};
+use fivebar_design::photo::{MARK_STEP, MarkDistance, measured_marks};
 use fivebar_files::job::{Action, Job, JobError, Placement, arc};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{RefusedMove, Scenario, ScenarioError};
@@ -40,6 +40,9 @@ pub enum MarksError {
          that --draw-marks wrote"
     )]
     Other,
+    /// A mark of a measured distance.
+    #[error("the marks have the numbers 1 to 4, not {0}")]
+    Number(f64),
 }
 
 /// From the centre of a mark to the nearest stroke [m].
@@ -108,6 +111,28 @@ pub fn marks_job(scenario: &Scenario) -> Result<(String, [Vector2<f64>; 4]), Mar
     let text = text(&marks);
     drawn(robot, &mut planner, &text)?;
     Ok((text, marks))
+}
+
+/// The places of the marks with measured distances: rows of two marks, counted from 1, and the length between them [m].
+///
+/// # Errors
+/// A mark that is none of the four, or distances that do not determine the places.
+pub fn measured_places(
+    drawn: [Vector2<f64>; 4],
+    rows: &[[f64; 3]],
+) -> Result<[Vector2<f64>; 4], PhotoStudyError> {
+    let mark = |number: f64| {
+        let found = [1.0, 2.0, 3.0, 4.0].iter().position(|mark| *mark == number);
+        found.ok_or(MarksError::Number(number))
+    };
+    let distances = rows
+        .iter()
+        .map(|&[from, to, length]| {
+            let between = [mark(from)?, mark(to)?];
+            Ok(MarkDistance { between, length })
+        })
+        .collect::<Result<Vec<_>, MarksError>>()?;
+    Ok(measured_marks(drawn, &distances)?)
 }
 
 /// Whether the arm can draw a job in the frame of its base.

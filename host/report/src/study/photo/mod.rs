@@ -3,7 +3,7 @@
 mod marks;
 mod strokes;
 
-pub use marks::{MarksError, marks_job, marks_of};
+pub use marks::{MarksError, marks_job, marks_of, measured_places};
 pub use strokes::{JobStrokes, strokes};
 
 use super::calibration::{StudyError, encoder_count};
@@ -51,13 +51,16 @@ impl PhotoStudy {
         Some((line, greatest.error, greatest.place))
     }
 
-    /// The figures as JSON.
-    pub fn answer(&self) -> Value {
+    /// The figures as JSON, with the names of the job, the picture and the robot.
+    pub fn answer(&self, job: &str, picture: &str, robot: &str) -> Value {
         let found = &self.comparison;
         let greatest = self.greatest().map(|(line, error, place)| {
             json!({ "error_m": error, "at_m": [place.x, place.y], "line": line })
         });
         json!({
+            "job": job,
+            "picture": picture,
+            "robot": robot,
             "rms_m": found.rms,
             "greatest": greatest,
             "points": found.deviations.len(),

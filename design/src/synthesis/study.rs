@@ -1,0 +1,151 @@
+//! A synthesis as searches that know nothing of each other. Each is a function of the specification, the seed and
+//! its index alone: any number of threads or machines gives the same answer, and a study that was stopped goes on
+//! from the searches that it has.
+
+use super::problem::Problem;
+use super::{Design, Specification, Synthesis, SynthesisError};
+use crate::noise::stream;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// A synthesis, to be searched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    specification: Specification,
+    seed: u64,
+}
+
+/// The result of one search.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// The design; none if no candidate meets the requirements.
+    design: Option<Design>,
+    /// What is sought, the greater the better; without a design, how far the best candidate falls short.
+    score: f64,
+    /// How often the area of an arm was examined.
+    evaluations: u64,
+}
+
+/// A candidate of a search that meets the requirements, not examined as closely as a design.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// l1…l4 and the base [m].
+    pub lengths: [f64; 5],
+    /// The size of the area [m].
+    pub size: f64,
+    /// The area's place from the middle of the base [m].
+    pub place: [f64; 2],
+    /// What is sought, the greater the better.
+    pub score: f64,
+}
+
+impl Study {
+    /// The study of a specification. The same seed gives the same answer.
+    pub fn new(specification: &Specification, seed: u64) -> Self {
+        Self {
+            specification: specification.clone(),
+            seed,
+        }
+    }
+
+    /// What is wanted.
+    pub fn specification(&self) -> &Specification {
+        &self.specification
+    }
+
+    /// The number of searches: each design of the front from each start.
+    pub fn searches(&self) -> usize {
+        self.designs() * self.starts()
+    }
+
+    /// Does the search with this index, and gives its candidates, generation by generation, to `record`.
+    pub fn search(&self, index: usize, record: &mut dyn FnMut(&[Candidate])) -> Found {
+        let dexterity = self.dexterity(index / self.starts());
+        let problem = Problem::new(&self.specification, dexterity);
+        let seed = match index % self.starts() {
+            0 => self.seed,
+            start => stream(self.seed, start as u64),
+        };
+        let (score, design) = problem.solve(seed, record);
+        Found {
+            design,
+            score,
+            evaluations: problem.evaluations(),
+        }
+    }
+
+    /// The least 1/κ that all candidates of a search have.
+    pub fn required_dexterity(&self, index: usize) -> f64 {
+        self.dexterity(index / self.starts())
+    }
+
+    /// Does the searches that are not among the `known`, on all threads, and the rest of the synthesis. `done`
+    /// receives each new result with its index, in any order.
+    ///
+    /// # Errors
+    /// No arm that meets the requirements was found.
+    pub fn run(
+        &self,
+        known: &[Option<Found>],
+        done: &(dyn Fn(usize, &Found) + Sync),
+    ) -> Result<Synthesis, SynthesisError> {
+        let found = (0..self.searches()).into_par_iter().map(|index| {
+            if let Some(Some(found)) = known.get(index) {
+                return *found;
+            }
+            let found = self.search(index, &mut |_| ());
+            done(index, &found);
+            found
+        });
+        self.finish(&found.collect::<Vec<_>>())
+    }
+
+    /// The synthesis, from the results of all searches in their order.
+    ///
+    /// # Errors
+    /// No arm that meets the requirements was found.
+    pub fn finish(&self, found: &[Found]) -> Result<Synthesis, SynthesisError> {
+        let best = found.chunks(self.starts()).map(|starts| {
+            let better = |a: Found, b: &Found| if b.score > a.score { *b } else { a };
+            starts[1..].iter().fold(starts[0], better)
+        });
+        let mut front = Vec::new();
+        for found in best {
+            match found.design {
+                Some(design) => front.push(design),
+                None if front.is_empty() => return Err(SynthesisError::NotFound(-found.score)),
+                None => break,
+            }
+        }
+        let Some(best) = front.first().copied() else {
+            return Err(SynthesisError::NotFound(f64::INFINITY));
+        };
+        let problem = Problem::new(&self.specification, self.specification.dexterity);
+        let whole = problem.in_whole_millimetres(&best, self.seed);
+        Ok(Synthesis {
+            best,
+            whole,
+            front,
+            sensitivity: problem.sensitivity(&best),
+            proof: problem.prove(&best),
+            whole_proof: problem.prove(&whole),
+            evaluations: problem.evaluations()
+                + found.iter().map(|found| found.evaluations).sum::<u64>(),
+        })
+    }
+
+    fn designs(&self) -> usize {
+        self.specification.front.max(1)
+    }
+
+    fn starts(&self) -> usize {
+        self.specification.starts.max(1)
+    }
+
+    /// The least 1/κ of a design of the front.
+    fn dexterity(&self, design: usize) -> f64 {
+        let share = design as f64 / self.designs() as f64;
+        let least = self.specification.dexterity;
+        least + share * (1.0 - least)
+    }
+}
