@@ -3,7 +3,7 @@
 use crate::error;
 use crate::robot::Robot;
 use fivebar_design::accuracy::Sampling;
-use fivebar_design::accuracy::five_bar::{ToolState, monte_carlo};
+use fivebar_design::accuracy::five_bar::{MonteCarlo, ToolState, monte_carlo};
 use fivebar_design::accuracy::slider::sample_slider;
 use fivebar_files::accuracy_classes::Classes;
 use fivebar_files::linkage::DrivenLinkage;
@@ -14,10 +14,13 @@ use fivebar_report::study::accuracy::{
     linkage_answer, map_answer, path_accuracy, path_answer, slider_answer, study_linkage,
 };
 use nalgebra::Vector2;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::Path;
 
-/// At one position: position [m], velocity, acceleration of C, and the force on it.
+/// At one position: position [m], velocity, acceleration of C, and the force on it. `parts` has the sums of all blocks of
+/// the samples, in their order; without it they are drawn here.
 #[pyfunction]
 pub(crate) fn accuracy(
     py: Python<'_>,
@@ -25,20 +28,70 @@ pub(crate) fn accuracy(
     state: [[f64; 2]; 4],
     samples: usize,
     seed: u64,
+    parts: Option<Vec<PyReadonlyArray1<'_, f64>>>,
 ) -> PyResult<String> {
     let robot = &robot.described;
+    let state = tool_state(state);
+    let analysis = analyse(robot, &state).map_err(|refusal| error::study(py, refusal))?;
+    let sampling = Sampling { samples, seed };
+    let toleranced = robot.toleranced();
+    let sampled = match parts {
+        None => py.detach(|| monte_carlo(&toleranced, &state, &analysis, sampling, &|_| ())),
+        Some(parts) => {
+            let slices: Vec<&[f64]> = parts
+                .iter()
+                .map(|part| Ok(part.as_slice()?))
+                .collect::<PyResult<_>>()?;
+            let mut numbers = slices.into_iter().flatten().copied();
+            let block =
+                |_| MonteCarlo::from_numbers(&toleranced, &analysis, sampling, &mut numbers);
+            let blocks: Option<Vec<_>> = (0..sampling.blocks()).map(block).collect();
+            let blocks = blocks.ok_or_else(|| PyValueError::new_err("parts are missing"))?;
+            MonteCarlo::merged(&analysis, sampling, &blocks)
+        }
+    };
+    Ok(answer(&robot.name, &state, &analysis, &sampled).to_string())
+}
+
+/// The number of blocks of so many samples.
+#[pyfunction]
+pub(crate) fn accuracy_blocks(samples: usize) -> usize {
+    Sampling { samples, seed: 0 }.blocks()
+}
+
+/// The sums of some blocks of the samples, on this thread.
+#[pyfunction]
+pub(crate) fn accuracy_part<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    state: [[f64; 2]; 4],
+    samples: usize,
+    seed: u64,
+    blocks: [usize; 2],
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let robot = &robot.described;
+    let state = tool_state(state);
+    let analysis = analyse(robot, &state).map_err(|refusal| error::study(py, refusal))?;
+    let sampling = Sampling { samples, seed };
+    let toleranced = robot.toleranced();
+    let [first, end] = blocks;
+    let numbers: Vec<f64> = py.detach(|| {
+        let block =
+            |block| MonteCarlo::block(&toleranced, &state, &analysis, sampling, block, &|_| ());
+        let blocks = first..end.min(sampling.blocks());
+        blocks.flat_map(|index| block(index).to_numbers()).collect()
+    });
+    Ok(numbers.into_pyarray(py))
+}
+
+fn tool_state(state: [[f64; 2]; 4]) -> ToolState {
     let [position, velocity, acceleration, force] = state.map(|[x, y]| Vector2::new(x, y));
-    let state = ToolState {
+    ToolState {
         position,
         velocity,
         acceleration,
         force,
-    };
-    let analysis = analyse(robot, &state).map_err(|refusal| error::study(py, refusal))?;
-    let sampling = Sampling { samples, seed };
-    let toleranced = robot.toleranced();
-    let sampled = py.detach(|| monte_carlo(&toleranced, &state, &analysis, sampling, &|_| ()));
-    Ok(answer(&robot.name, &state, &analysis, &sampled).to_string())
+    }
 }
 
 /// Over the workspace, or over a rectangle of it [m].

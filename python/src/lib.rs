@@ -25,7 +25,8 @@ mod synthesis;
 mod _native {
     #[pymodule_export]
     use super::accuracy::{
-        accuracy, accuracy_along, accuracy_map_of, linkage_accuracy, slider_accuracy,
+        accuracy, accuracy_along, accuracy_blocks, accuracy_map_of, accuracy_part,
+        linkage_accuracy, slider_accuracy,
     };
     #[pymodule_export]
     use super::dynamics::{forward_dynamics, inverse_dynamics};

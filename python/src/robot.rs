@@ -42,6 +42,12 @@ impl Robot {
         })
     }
 
+    /// Its file's name in errors.
+    #[getter]
+    fn file(&self) -> &str {
+        &self.file
+    }
+
     /// The text of its file.
     #[getter]
     fn text(&self) -> &str {

@@ -81,6 +81,18 @@ def test_a_worker_that_is_killed_changes_no_bit(local, tmp_path):
     assert min(first["required_dexterity"]) == 0.4
 
 
+def test_samples_of_tolerances_have_the_bits_of_this_process(arm):
+    options = {"force": (1.0, -2.0), "samples": 300_001, "seed": 4}
+    seen = []
+    with cluster(2) as machines, distributed.Client(machines) as client:
+        found = arm.accuracy((0.04, 0.2), client=client, **options,
+                             progress=lambda done, of: seen.append((done, of)))
+        bare = fivebar.Arm.load("duet").accuracy((0.1, 0.15), client=client, samples=5000)
+    assert found == arm.accuracy((0.04, 0.2), **options)
+    assert bare == fivebar.Arm.load("duet").accuracy((0.1, 0.15), samples=5000)
+    assert seen == [(done, 5) for done in range(1, 6)]
+
+
 def test_a_study_goes_on_where_it_was_stopped(local, program, tmp_path):
     class Stopped(Exception):
         pass

@@ -146,6 +146,40 @@ impl<const N: usize> Moments<N> {
         (self.products[i][i] / count + self.mean[i] * self.mean[i]).sqrt()
     }
 
+    /// All of it as numbers, for other processes.
+    pub(super) fn write(&self, numbers: &mut Vec<f64>) {
+        numbers.extend([self.count as f64, self.failed as f64]);
+        numbers.extend(self.mean);
+        numbers.extend(self.products.iter().flatten());
+        numbers.extend(self.largest);
+    }
+
+    /// Takes what [`Moments::write`] wrote; none if the numbers end too early.
+    pub(super) fn read(numbers: &mut impl Iterator<Item = f64>) -> Option<Self> {
+        // Counts of samples are exact as `f64`.
+        let [count, failed] = [numbers.next()?, numbers.next()?].map(|count| count as usize);
+        let mut row = || {
+            let mut row = [0.0; N];
+            for number in &mut row {
+                *number = numbers.next()?;
+            }
+            Some(row)
+        };
+        let mean = row()?;
+        let mut products = [[0.0; N]; N];
+        for product in &mut products {
+            *product = row()?;
+        }
+        let largest = row()?;
+        Some(Self {
+            count,
+            failed,
+            mean,
+            products,
+            largest,
+        })
+    }
+
     /// The relative sampling error of a standard deviation: 1/√(2n) for normal results.
     pub fn relative_error(&self) -> f64 {
         relative_error(self.count)
@@ -217,6 +251,13 @@ impl Deviations {
     }
 }
 
+impl Sampling {
+    /// The number of blocks of samples.
+    pub fn blocks(self) -> usize {
+        self.samples.div_ceil(BLOCK)
+    }
+}
+
 /// Accumulates samples of `draw`, which returns none if a sample cannot be assembled. Calls
 /// `progress` with the number of samples in each block that is finished.
 pub(super) fn sample<M: Accumulator>(
@@ -224,24 +265,31 @@ pub(super) fn sample<M: Accumulator>(
     progress: Progress<'_>,
     draw: impl Fn(&mut Noise) -> Option<M::Values> + Sync,
 ) -> M {
-    let blocks = sampling.samples.div_ceil(BLOCK);
-    let sums: Vec<M> = (0..blocks)
+    let sums: Vec<M> = (0..sampling.blocks())
         .into_par_iter()
-        .map(|block| {
-            let size = BLOCK.min(sampling.samples - block * BLOCK);
-            let mut noise = Noise::new(stream(sampling.seed, block as u64));
-            let mut sums = M::default();
-            for _ in 0..size {
-                match draw(&mut noise) {
-                    Some(values) => sums.add(&values),
-                    None => sums.fail(),
-                }
-            }
-            progress(size as u64);
-            sums
-        })
+        .map(|block| sample_block(sampling, block, progress, &draw))
         .collect();
     sums.iter().fold(M::default(), M::merge)
+}
+
+/// Accumulates the samples of one block.
+pub(super) fn sample_block<M: Accumulator>(
+    sampling: Sampling,
+    block: usize,
+    progress: Progress<'_>,
+    draw: impl Fn(&mut Noise) -> Option<M::Values>,
+) -> M {
+    let size = BLOCK.min(sampling.samples - block * BLOCK);
+    let mut noise = Noise::new(stream(sampling.seed, block as u64));
+    let mut sums = M::default();
+    for _ in 0..size {
+        match draw(&mut noise) {
+            Some(values) => sums.add(&values),
+            None => sums.fail(),
+        }
+    }
+    progress(size as u64);
+    sums
 }
 
 #[cfg(test)]

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from functools import partial
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _measured, _native, _studies
 from ._errors import FivebarError
+from ._many import completed
 from ._measured import Found, Photo
 from ._shapes import Floats, pair, rows
 from ._simulation import scenario_of
 
+#: Blocks of 4096 samples that a worker of a cluster draws at a time: about a second of work.
+BLOCKS = 16
 #: The columns of tables of measurements.
 POINTS = ("counts1", "counts4", "x", "y")
 BARS = ("from1", "from4", "to1", "to4", "length")
@@ -158,11 +162,15 @@ class ArmStudies:
         force: ArrayLike = (0.0, 0.0),
         samples: int = 100_000,
         seed: int = 1,
+        client: Optional[Any] = None,
+        progress: Optional[Callable[[int, int], None]] = None,
     ) -> Dict[str, Any]:
         """The effect of the robot's tolerances at one position: ``fivebar accuracy --at --json``.
 
         at, velocity, acceleration: of C [m, m/s, m/s²]; force on C [N]; samples: of the Monte Carlo
-        check of each figure, 2 or more. Raises :class:`fivebar.StudyError`.
+        check of each figure, 2 or more. client: a ``dask.distributed.Client``, whose workers then draw
+        the samples: the answer has the same bits; progress then receives the number of parts that are
+        done, and of all. Raises :class:`fivebar.StudyError`.
 
         >>> found = Arm.load("benchtop").accuracy([0.04, 0.2], samples=1000)
         >>> 1e-6 < found["position_sd_m"][0] < 1e-3
@@ -172,7 +180,10 @@ class ArmStudies:
             raise FivebarError(f"samples must be 2 or more, not {samples!r}")
         pairs = {"at": at, "velocity": velocity, "acceleration": acceleration, "force": force}
         state = [pair(name, value) for name, value in pairs.items()]
-        return dict(json.loads(_native.accuracy(self._robot, state, samples, seed)))
+        parts = None
+        if client is not None:
+            parts = _parts(self._robot, state, samples, seed, client, progress)
+        return dict(json.loads(_native.accuracy(self._robot, state, samples, seed, parts)))
 
     def accuracy_map(
         self,
@@ -301,6 +312,34 @@ class ArmStudies:
         Ten periods of the first or the second of the :meth:`excitations`, a row for every tick.
         """
         return np.array(_native.simulated_log(self._robot, second))
+
+
+def _parts(
+    robot: _native.Robot,
+    state: List[List[float]],
+    samples: int,
+    seed: int,
+    client: Any,
+    progress: Optional[Callable[[int, int], None]],
+) -> List[Floats]:
+    """The sums of all blocks of the samples, drawn by a cluster."""
+    count = -(-_native.accuracy_blocks(samples) // BLOCKS)
+    parts: Dict[int, Floats] = {}
+    draw = partial(_part, robot.file, robot.text, state, samples, seed)
+    for index, part in completed(draw, range(count), client):
+        # What comes over the network may be misaligned.
+        parts[index] = np.require(part, None, ("C", "A"))
+        if progress is not None:
+            progress(len(parts), count)
+    return [parts[index] for index in range(count)]
+
+
+def _part(
+    file: str, text: str, state: List[List[float]], samples: int, seed: int, index: int
+) -> Floats:
+    robot = _native.Robot.parse(file, text)
+    blocks = [index * BLOCKS, (index + 1) * BLOCKS]
+    return _native.accuracy_part(robot, state, samples, seed, blocks)
 
 
 def _placed(

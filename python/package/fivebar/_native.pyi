@@ -18,7 +18,9 @@ __all__ = [
     "Study",
     "accuracy",
     "accuracy_along",
+    "accuracy_blocks",
     "accuracy_map_of",
+    "accuracy_part",
     "built_in",
     "calibrate",
     "calibration_poses",
@@ -56,6 +58,8 @@ class Robot:
     def parse(file: str, text: str) -> Robot: ...
     @property
     def name(self) -> str: ...
+    @property
+    def file(self) -> str: ...
     @property
     def text(self) -> str: ...
     @property
@@ -175,8 +179,20 @@ def plan(
     robot: Robot, file: str, text: str, torque_share: float, jerk: Optional[float]
 ) -> str: ...
 def accuracy(
-    robot: Robot, state: Sequence[Sequence[float]], samples: int, seed: int
+    robot: Robot,
+    state: Sequence[Sequence[float]],
+    samples: int,
+    seed: int,
+    parts: Optional[Sequence[_Numbers]],
 ) -> str: ...
+def accuracy_blocks(samples: int) -> int: ...
+def accuracy_part(
+    robot: Robot,
+    state: Sequence[Sequence[float]],
+    samples: int,
+    seed: int,
+    blocks: Sequence[int],
+) -> _Numbers: ...
 def accuracy_map_of(
     robot: Robot,
     region: Optional[Sequence[float]],

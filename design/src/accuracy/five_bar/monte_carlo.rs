@@ -5,12 +5,13 @@ use super::analysis::{AccuracyAnalysis, SCATTERED, TolerancedArm, ToolState};
 use super::tool_with_pin_offsets;
 use crate::Noise;
 use crate::accuracy::arm::ArmAccuracyModel;
-use crate::accuracy::sampling::{Moments, Progress, Sampling, sample};
+use crate::accuracy::sampling::{Accumulator, Moments, Progress, Sampling, sample, sample_block};
 use core::f64::consts::TAU;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Geometry;
 use nalgebra::Vector2;
+use rayon::prelude::*;
 
 /// The sampled figures of an [`AccuracyAnalysis`].
 #[derive(Clone, Debug)]
@@ -33,7 +34,7 @@ pub struct MonteCarlo {
     pub forces: Option<Moments<12>>,
 }
 
-/// Samples everything that [`analyse`](super::analyse) propagates.
+/// Samples everything that [`analyse`](super::analyse) propagates, on all cores.
 pub fn monte_carlo(
     arm: &TolerancedArm<'_>,
     state: &ToolState,
@@ -41,28 +42,126 @@ pub fn monte_carlo(
     sampling: Sampling,
     progress: Progress<'_>,
 ) -> MonteCarlo {
-    let arms = ArmSampler {
-        arm,
-        state,
-        analysis,
-    };
-    let count = analysis.primitives.len();
-    let loads = sample_forces(arm, state, analysis, sampling, progress);
-    let (motion, forces) = loads.unzip();
-    let alone = |only| {
-        sample(sampling, progress, |noise| {
-            arms.displacement(noise, |i| i == only)
-        })
-    };
-    MonteCarlo {
-        sampling,
-        position: sample_positions(arm, state, analysis, sampling, progress),
-        alone: (0..count).map(alone).collect(),
-        input: sample(sampling, progress, |noise| arms.input_error(noise)),
-        clearance: sample(sampling, progress, |noise| arms.clearance_error(noise)),
-        motion,
-        forces,
+    let block = |block| MonteCarlo::block(arm, state, analysis, sampling, block, progress);
+    let blocks: Vec<MonteCarlo> = (0..sampling.blocks()).into_par_iter().map(block).collect();
+    MonteCarlo::merged(analysis, sampling, &blocks)
+}
+
+impl MonteCarlo {
+    /// The figures of one block of the samples, a function of the seed and the block's index alone: any process may
+    /// draw it.
+    pub fn block(
+        arm: &TolerancedArm<'_>,
+        state: &ToolState,
+        analysis: &AccuracyAnalysis,
+        sampling: Sampling,
+        block: usize,
+        progress: Progress<'_>,
+    ) -> Self {
+        let arms = ArmSampler {
+            arm,
+            state,
+            analysis,
+        };
+        let displaced = |varies: &dyn Fn(usize) -> bool| {
+            sample_block(sampling, block, progress, |noise| {
+                arms.displacement(noise, varies)
+            })
+        };
+        let loads = arm.arm.map(|masses| {
+            sample_block::<(Moments<4>, Moments<12>)>(sampling, block, progress, |noise| {
+                arms.motion_and_forces(masses, noise)
+            })
+        });
+        let (motion, forces) = loads.unzip();
+        let alone = (0..analysis.primitives.len()).map(|only| displaced(&|i| i == only));
+        Self {
+            sampling,
+            position: displaced(&|_| true),
+            alone: alone.collect(),
+            input: sample_block(sampling, block, progress, |noise| arms.input_error(noise)),
+            clearance: sample_block(sampling, block, progress, |noise| {
+                arms.clearance_error(noise)
+            }),
+            motion,
+            forces,
+        }
     }
+
+    /// The figures of all blocks, which come in their order.
+    pub fn merged(analysis: &AccuracyAnalysis, sampling: Sampling, blocks: &[Self]) -> Self {
+        let figure = |of: &dyn Fn(&Self) -> &Moments<2>| {
+            let merge = |sums: Moments<2>, block: &Self| sums.merge(of(block));
+            blocks.iter().fold(Moments::default(), merge)
+        };
+        Self {
+            sampling,
+            position: figure(&|block| &block.position),
+            alone: (0..analysis.primitives.len())
+                .map(|index| figure(&|block| &block.alone[index]))
+                .collect(),
+            input: blocks
+                .iter()
+                .fold(Moments::default(), |sums, block| sums.merge(&block.input)),
+            clearance: figure(&|block| &block.clearance),
+            motion: merged(blocks.iter().map(|block| block.motion.as_ref())),
+            forces: merged(blocks.iter().map(|block| block.forces.as_ref())),
+        }
+    }
+
+    /// All of it as numbers, for other processes.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        self.position.write(&mut numbers);
+        for alone in &self.alone {
+            alone.write(&mut numbers);
+        }
+        self.input.write(&mut numbers);
+        self.clearance.write(&mut numbers);
+        if let (Some(motion), Some(forces)) = (&self.motion, &self.forces) {
+            motion.write(&mut numbers);
+            forces.write(&mut numbers);
+        }
+        numbers
+    }
+
+    /// Takes what [`MonteCarlo::to_numbers`] gave for the same arm; none if the numbers end too early.
+    pub fn from_numbers(
+        arm: &TolerancedArm<'_>,
+        analysis: &AccuracyAnalysis,
+        sampling: Sampling,
+        numbers: &mut impl Iterator<Item = f64>,
+    ) -> Option<Self> {
+        let position = Moments::read(numbers)?;
+        let alone = (0..analysis.primitives.len()).map(|_| Moments::read(numbers));
+        let alone = alone.collect::<Option<_>>()?;
+        let (input, clearance) = (Moments::read(numbers)?, Moments::read(numbers)?);
+        let (motion, forces) = match arm.arm {
+            Some(_) => (Some(Moments::read(numbers)?), Some(Moments::read(numbers)?)),
+            None => (None, None),
+        };
+        Some(Self {
+            sampling,
+            position,
+            alone,
+            input,
+            clearance,
+            motion,
+            forces,
+        })
+    }
+}
+
+/// The sums over blocks that all have them; none if they have none.
+fn merged<'a, const N: usize>(
+    blocks: impl Iterator<Item = Option<&'a Moments<N>>>,
+) -> Option<Moments<N>> {
+    let blocks = blocks.collect::<Option<Vec<_>>>()?;
+    Some(
+        blocks
+            .into_iter()
+            .fold(Moments::default(), |sums, block| sums.merge(block)),
+    )
 }
 
 /// Displacements of C by inputs and lengths [m].
