@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Tests the Python package as its users install it: with `pip install` from the checkout into a
-# fresh virtual environment. Then it runs the package's tests, type checks, example and benchmark.
+# fresh virtual environment. Then it runs the package's tests, type checks, example and benchmark, and compares a
+# front of `fivebar design` with that of pymoo, from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
@@ -18,7 +19,7 @@ if ! python3 -m venv "$venv"; then
     echo "python: python3 with its venv module is needed (Debian: apt-get install python3-venv)" >&2
     exit 1
 fi
-"$venv/bin/pip" install --quiet --disable-pip-version-check './python[test,cluster]'
+"$venv/bin/pip" install --quiet --disable-pip-version-check './python[test,cluster]' pymoo
 root=$PWD
 python=$venv/bin/python
 out=$built/python-example
@@ -29,3 +30,5 @@ mkdir -p "$out"
 (cd "$out" && "$python" -m mypy.stubtest --concise --ignore-disjoint-bases fivebar._native)
 (cd "$out" && "$python" "$root/python/examples/tour.py")
 "$python" python/benches/inverse.py
+# A small front beside that of another optimiser.
+"$python" tests/peers/front.py --front 3 --seeds 1 --cases 1

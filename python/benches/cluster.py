@@ -27,7 +27,7 @@ dexterity = 0.4
 [objective]
 maximise = "size"
 front = 6
-starts = 4
+starts = 2
 """
 #: Candidates of one search: 48 in the first generation and in each of 120, and in 1 + 40 beside the best.
 CANDIDATES = 48 * (121 + 41)
@@ -56,7 +56,7 @@ def measured():
 
 
 def page(local, remote):
-    searches = 24
+    searches = 12
     evaluations = searches * CANDIDATES
     per_candidate = WORKERS * remote / evaluations
     hours = PLANNED * per_candidate / 3600

@@ -1,11 +1,11 @@
 //! Lengths for a wanted work area: `fivebar design` as searches that any thread or machine does.
 
-use crate::error;
+use crate::{batch, error};
 use fivebar_design::synthesis::{Candidate, Found, Study as Described};
 use fivebar_files::design_spec;
 use fivebar_files::job::read as read_job;
 use fivebar_report::study::synthesis::{answer, known_searches, robot_file, searches_text};
-use numpy::{IntoPyArray, PyArray1};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArrayDyn};
 use pyo3::exceptions::{PyIndexError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::cell::RefCell;
@@ -95,6 +95,20 @@ impl Study {
             })
         });
         Ok((json(&found)?, record.then(|| rows.into_pyarray(py))))
+    }
+
+    /// The least 1/κ of arms with their areas: rows of l1…l4, base, size, x, y.
+    fn dexterities<'py>(
+        &self,
+        py: Python<'py>,
+        rows: PyReadonlyArrayDyn<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let arms = batch::rows::<f64, 8>(&rows)?.iter();
+        let arms: Vec<_> = arms
+            .map(|&[l1, l2, l3, l4, base, size, x, y]| ([l1, l2, l3, l4, base], size, [x, y]))
+            .collect();
+        let found = py.detach(|| self.study.dexterities(&arms));
+        Ok(found.into_pyarray(py))
     }
 
     /// The answer of `fivebar design` from the results of all searches, and the robot file that it would write.

@@ -55,6 +55,25 @@ def test_designs_are_those_of_the_program(program, tmp_path):
         fivebar.design("symmetric = true")
 
 
+def test_the_area_of_a_ring_is_examined_as_the_closed_form_has_it():
+    specification = FILES / "designs/leg.toml"
+    # b cos ψ0 and b, and the ring of 1/κ = tan ψ0.
+    angle = np.arctan(0.4)
+    crank, coupler = 0.14 * np.cos(angle), 0.14
+    half = coupler * np.sqrt(np.cos(2.0 * angle))
+    arm = [crank, coupler, coupler, crank, 0.0]
+    ring = [2.0 * half, 0.0, crank - half]
+    wider = [2.0 * half + 1e-4, 0.0, crank - half]
+    found = fivebar.dexterities(specification, [[arm + ring, arm + wider]])
+    assert found.shape == (1, 2)
+    assert found[0, 0] == pytest.approx(0.4, abs=1e-9) and found[0, 1] < 0.3995
+    with pytest.raises(fivebar.FivebarError, match="last axis of length 8"):
+        fivebar.dexterities(specification, arm)
+    best = fivebar.design(specification).figures["best"]
+    row = best["link_lengths"] + [best["size"]] + best["place"]
+    assert fivebar.dexterities(specification, row) == best["dexterity"]
+
+
 def test_the_jacobian_is_the_derivative_of_the_position(arm, poses):
     there = arm.inverse(poses[:2000])
     found = arm.jacobian(there.theta, there.assembly)

@@ -1,6 +1,9 @@
 //! Differential evolution in the unit cube: each generation mixes every candidate with one of the
 //! best and with the difference of two others, and keeps the better of both.
 //!
+//! A trial that is worse than the candidate that it would replace needs no exact score: `score` gets that candidate's
+//! score as a floor, and may answer −∞ below it.
+//!
 //! All random numbers are drawn before the scores are computed, in parallel: the result depends on the
 //! seed alone.
 
@@ -24,7 +27,7 @@ pub(super) fn maximise(
     dimensions: usize,
     generations: usize,
     seed: u64,
-    score: impl Fn(&[f64]) -> f64 + Sync,
+    score: impl Fn(&[f64], f64) -> f64 + Sync,
     mut observe: impl FnMut(&[(Vec<f64>, f64)]),
 ) -> (Vec<f64>, f64) {
     let mut noise = Noise::new(seed);
@@ -35,7 +38,7 @@ pub(super) fn maximise(
     let mut population: Vec<(Vec<f64>, f64)> = points
         .into_par_iter()
         .map(|point| {
-            let score = score(&point);
+            let score = score(&point, f64::NEG_INFINITY);
             (point, score)
         })
         .collect();
@@ -50,8 +53,9 @@ pub(super) fn maximise(
             .collect();
         let scored: Vec<(Vec<f64>, f64)> = trials
             .into_par_iter()
-            .map(|point| {
-                let score = score(&point);
+            .zip(&population)
+            .map(|(point, (_, floor))| {
+                let score = score(&point, *floor);
                 (point, score)
             })
             .collect();
@@ -96,7 +100,8 @@ mod tests {
 
     #[test]
     fn it_finds_a_peak_on_a_face_of_the_cube() {
-        let score = |x: &[f64]| -(x[0] + 0.2).powi(2) - (x[1] - 0.3).powi(2) - (x[2] - x[1]).abs();
+        let score =
+            |x: &[f64], _: f64| -(x[0] + 0.2).powi(2) - (x[1] - 0.3).powi(2) - (x[2] - x[1]).abs();
         let (point, _) = maximise(3, 300, 1, score, |_| ());
         for (found, expected) in point.iter().zip([0.0, 0.3, 0.3]) {
             assert!((found - expected).abs() < 1e-3, "{point:?}");
@@ -105,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_result_is_that_of_the_seed_on_any_number_of_threads() {
-        let score = |x: &[f64]| -x.iter().map(|x| (x - 0.4).powi(2)).sum::<f64>();
+        let score = |x: &[f64], _: f64| -x.iter().map(|x| (x - 0.4).powi(2)).sum::<f64>();
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             pool.unwrap().install(|| maximise(4, 40, 7, score, |_| ()))

@@ -110,17 +110,18 @@ impl<'a> Problem<'a> {
         record: &mut dyn FnMut(&[study::Candidate]),
     ) -> (f64, Option<Design>) {
         let dimensions = if self.specification.symmetric { 3 } else { 6 };
-        let score = |point: &[f64], density| self.scale(&self.candidate(point), density).0;
+        let score =
+            |point: &[f64], density, floor| self.scale(&self.candidate(point), density, floor).0;
         let (near, _) = maximise(
             dimensions,
             GENERATIONS,
             seed,
-            |point| score(point, Density::Search),
+            |point, floor| score(point, Density::Search, floor),
             |scored| {
                 self.record(
                     scored.iter().map(|(point, score)| (&**point, *score)),
                     record,
-                )
+                );
             },
         );
         let beside = |point: &[f64]| -> Vec<f64> {
@@ -133,7 +134,7 @@ impl<'a> Problem<'a> {
             dimensions,
             CHECK_GENERATIONS,
             seed,
-            |point| score(&beside(point), Density::Check),
+            |point, floor| score(&beside(point), Density::Check, floor),
             |scored| {
                 let points: Vec<_> = scored.iter().map(|(point, _)| beside(point)).collect();
                 let scores = scored.iter().map(|(_, score)| *score);
@@ -142,7 +143,7 @@ impl<'a> Problem<'a> {
         );
         let point = beside(&point);
         let candidate = self.candidate(&point);
-        match self.scale(&candidate, Density::Check) {
+        match self.scale(&candidate, Density::Check, f64::NEG_INFINITY) {
             (score, Some((sum, size))) => {
                 let (lengths, place) = (candidate.lengths(sum), candidate.place(sum));
                 (score, Some(self.design(lengths, Placed { size, place })))
@@ -238,8 +239,13 @@ impl<'a> Problem<'a> {
     }
 
     /// The score of a candidate, with its links' sum and its area's size [m] where it meets the
-    /// requirements.
-    fn scale(&self, candidate: &Candidate, density: Density) -> (f64, Option<(f64, f64)>) {
+    /// requirements; −∞ if the score is below the floor.
+    fn scale(
+        &self,
+        candidate: &Candidate,
+        density: Density,
+        floor: f64,
+    ) -> (f64, Option<(f64, f64)>) {
         let half_base = 0.5 * candidate.base;
         let margin = |sum: f64, size: f64| {
             let place = candidate.place(sum);
@@ -253,10 +259,14 @@ impl<'a> Problem<'a> {
         match self.specification.objective {
             Objective::Size => {
                 let place = candidate.place(most);
-                let (score, size) = self.largest(candidate.lengths(most), place, density);
+                let (score, size) = self.largest(candidate.lengths(most), place, density, floor);
                 (score, size.map(|size| (most, size)))
             }
             Objective::LinkSum(size) => {
+                let longest = -floor - half_base;
+                if longest <= 0.0 || (longest < most && margin(longest, size) < 0.0) {
+                    return (f64::NEG_INFINITY, None);
+                }
                 let short = margin(most, size);
                 if short < 0.0 {
                     return (NOT_MET + short, None);
@@ -271,14 +281,20 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The score and the size of the largest area of an arm at a place.
+    /// The score and the size of the largest area of an arm at a place; −∞ if it is smaller than the floor.
     pub(super) fn largest(
         &self,
         lengths: [f64; 5],
         place: [f64; 2],
         density: Density,
+        floor: f64,
     ) -> (f64, Option<f64>) {
         let margin = |size: f64| self.worst(lengths, Placed { size, place }, density).margin;
+        // One look rejects most trials. Those that pass are bisected from 0 all the same: near an optimum the samples
+        // of a few sizes miss what those of others see.
+        if floor > 0.0 && margin(floor) < 0.0 {
+            return (f64::NEG_INFINITY, None);
+        }
         let short = margin(0.0);
         if short < 0.0 {
             return (NOT_MET + short, None);

@@ -2,6 +2,7 @@
 //! its index alone: any number of threads or machines gives the same answer, and a study that was stopped goes on
 //! from the searches that it has.
 
+use super::area::{Density, Placed};
 use super::problem::Problem;
 use super::{Design, Specification, Synthesis, SynthesisError};
 use crate::noise::stream;
@@ -26,7 +27,8 @@ pub struct Found {
     evaluations: u64,
 }
 
-/// A candidate of a search that meets the requirements, not examined as closely as a design.
+/// A candidate of a search that meets the requirements and is better than the one that it replaced. It is not examined
+/// as closely as a design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// l1…l4 and the base [m].
@@ -134,6 +136,17 @@ impl Study {
         })
     }
 
+    /// The least 1/κ that each arm has in the area of this size [m] at its place, negative where it does not reach all of
+    /// it or changes its assembly mode.
+    pub fn dexterities(&self, arms: &[([f64; 5], f64, [f64; 2])]) -> Vec<f64> {
+        let problem = Problem::new(&self.specification, self.specification.dexterity);
+        let dexterity = |&(lengths, size, place)| {
+            let worst = problem.worst(lengths, Placed { size, place }, Density::Check);
+            worst.dexterity
+        };
+        arms.par_iter().map(dexterity).collect()
+    }
+
     fn designs(&self) -> usize {
         self.specification.front.max(1)
     }
@@ -142,10 +155,10 @@ impl Study {
         self.specification.starts.max(1)
     }
 
-    /// The least 1/κ of a design of the front.
+    /// The least 1/κ of a design of the front. They are closer together near 1, where the size falls as √(1 − 1/κ): so
+    /// the same number of designs dominates more.
     fn dexterity(&self, design: usize) -> f64 {
-        let share = design as f64 / self.designs() as f64;
-        let least = self.specification.dexterity;
-        least + share * (1.0 - least)
+        let rest = 1.0 - design as f64 / self.designs() as f64;
+        1.0 - (1.0 - self.specification.dexterity) * rest * rest.sqrt()
     }
 }

@@ -77,8 +77,8 @@ impl Problem<'_> {
         let [l1, l2, l3, l4, _] = lengths;
         let sum = (l1 + l2).max(l3 + l4);
         let place = |point: &[f64]| self.place(point).map(|share| share * sum);
-        let score = |place: [f64; 2], density: Density| match self.specification.objective {
-            Objective::Size => self.largest(lengths, place, density),
+        let score = |place, density, floor| match self.specification.objective {
+            Objective::Size => self.largest(lengths, place, density, floor),
             Objective::LinkSum(size) | Objective::Dexterity(size) => {
                 let margin = self.worst(lengths, Placed { size, place }, density).margin;
                 match margin >= 0.0 {
@@ -89,9 +89,9 @@ impl Problem<'_> {
         };
         let is_on_axis = self.specification.symmetric || self.specification.area == Area::Annulus;
         let dimensions = if is_on_axis { 1 } else { 2 };
-        let search = |point: &[f64]| score(place(point), Density::Search).0;
+        let search = |point: &[f64], floor: f64| score(place(point), Density::Search, floor).0;
         let place = place(&maximise(dimensions, GENERATIONS, seed, search, |_| ()).0);
-        let (score, size) = score(place, Density::Check);
+        let (score, size) = score(place, Density::Check, f64::NEG_INFINITY);
         let size = size.unwrap_or(wanted);
         let design = self.design(lengths, Placed { size, place });
         // Of arms that meet the requirements, the shortest is wanted.

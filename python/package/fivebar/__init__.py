@@ -38,7 +38,7 @@ from ._results import (
 from ._robots import built_in
 from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
-from ._synthesis import Design, design
+from ._synthesis import Design, design, dexterities
 
 __all__ = [
     "Arm",
@@ -69,6 +69,7 @@ __all__ = [
     "UnreachableError",
     "built_in",
     "design",
+    "dexterities",
     "linkage",
     "linkage_accuracy",
     "mobility",

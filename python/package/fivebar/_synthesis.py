@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _native
+from ._errors import FivebarError
 from ._many import completed, cores
 from ._shapes import Floats
 from ._studies import Source, text_of
@@ -87,6 +89,21 @@ def design(
     if out is not None:
         _write_whole(Path(out) / "best.toml", robot)
     return Design(json.loads(figures), robot)
+
+
+def dexterities(specification: Source, arms: ArrayLike) -> Floats:
+    """The least 1/κ that arms have in the area of a specification: what :func:`design` examines, for one's own search.
+
+    arms: rows of l1, l2, l3, l4, base, the area's size, and its place x, y [m], shape S + (8,). The
+    answer, of shape S, is negative where an arm does not reach all of the area or changes its assembly
+    mode. The specification's least dexterity and objective are not looked at.
+    """
+    name, text = text_of(specification)
+    rows = np.require(np.asarray(arms, dtype=np.float64), None, ("C", "A"))
+    if rows.ndim == 0 or rows.shape[-1] != 8:
+        raise FivebarError(f"arms must have a last axis of length 8, not shape {rows.shape}")
+    study = _native.Study(name, text, str(Path(name).parent), 1, None)
+    return study.dexterities(rows).reshape(rows.shape[:-1])
 
 
 def _search(

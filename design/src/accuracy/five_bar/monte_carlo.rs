@@ -157,11 +157,7 @@ fn merged<'a, const N: usize>(
     blocks: impl Iterator<Item = Option<&'a Moments<N>>>,
 ) -> Option<Moments<N>> {
     let blocks = blocks.collect::<Option<Vec<_>>>()?;
-    Some(
-        blocks
-            .into_iter()
-            .fold(Moments::default(), |sums, block| sums.merge(block)),
-    )
+    Some(blocks.into_iter().fold(Moments::default(), Moments::merge))
 }
 
 /// Displacements of C by inputs and lengths [m].

@@ -1,6 +1,5 @@
 //! Why an accuracy study has no result.
 
-use crate::text::quantity;
 use fivebar_design::accuracy::AnalysisError;
 use fivebar_design::accuracy::five_bar::MapError;
 
@@ -40,9 +39,8 @@ pub enum AccuracyStudyError {
     NothingReached,
     /// No choice of classes keeps the deviation [m].
     #[error(
-        "even with the finest classes the deviation exceeds {} somewhere: make the region smaller with \
-         --region, or add finer classes",
-        quantity(*.0, "m")
+        "even with the finest classes the deviation exceeds {0} m somewhere: make the region smaller with \
+         --region, or add finer classes"
     )]
     TooCoarse(f64),
     /// The linkage cannot be solved at an instant [s].

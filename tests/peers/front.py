@@ -1,0 +1,129 @@
+"""The front of `fivebar design` beside that of NSGA-II (pymoo) with as many evaluations of the same areas.
+
+    python tests/peers/front.py [--front 10] [--seeds 1 2 3] [--write docs/verify/front.md]
+
+Both seek arms with a larger area and more dexterity, 1/κ ≥ 0.5. The measure is the hypervolume: the part of the rectangle
+from size 0 and 1/κ = 0, the reference point, to the largest area found and 1/κ = 1 that a front dominates. NSGA-II keeps
+100 arms; besides all of them the best choice of as many as `fivebar design` gives is measured, by dynamic programming.
+"""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import fivebar
+import numpy as np
+from pymoo.algorithms.moo.nsga2 import NSGA2
+from pymoo.core.problem import Problem
+from pymoo.optimize import minimize
+
+POPULATION = 100
+#: By how much NSGA-II's choice may be better for the test to pass.
+TIE = 1e-3
+LEG = """
+symmetric = true
+base = {base}
+link_sum = 0.3
+[area]
+kind = "{kind}"
+[require]
+dexterity = 0.5
+[objective]
+maximise = "size"
+front = {front}
+"""
+CASES = {"a ring, coaxial": ("annulus", [0.0, 0.0]), "a square, base up to 0.1 m": ("square", [0.0, 0.1])}
+
+
+def hypervolume(points, size):
+    """Of (size, dexterity), as a share of the rectangle from (0, 0) to (size, 1)."""
+    volume, above = 0.0, 0.0
+    for area, reached in sorted(points, reverse=True):
+        if area > 0.0 and reached > above:
+            volume += area * (reached - above)
+            above = reached
+    return volume / size
+
+
+def chosen(points, count):
+    """The choice of so many points with the greatest hypervolume: exact, by dynamic programming over the front."""
+    front, above = [], 0.0
+    for area, reached in sorted(set(points), reverse=True):
+        if area > 0.0 and reached > above:
+            front.append((area, reached))
+            above = reached
+    # best[i]: the greatest volume of a choice that ends with point i, and the choice.
+    best = [(area * reached, [i]) for i, (area, reached) in enumerate(front)]
+    whole = max(best, default=(0.0, []))
+    for _ in range(count - 1):
+        best = [max(((volume + area * (reached - front[choice[-1]][1]), [*choice, i])
+                     for volume, choice in best[:i] if choice[-1] < i), default=(-1.0, [i]))
+                for i, (area, reached) in enumerate(front)]
+        whole = max(whole, max(best, default=whole))
+    return [front[i] for i in whole[1]]
+
+
+class Lengths(Problem):
+    """Base, the crank's share, the place, and the area's size by the links' sum."""
+
+    def __init__(self, specification, base):
+        low, high = [base[0], 0.02, 0.0, 0.0], [base[1], 0.98, 1.0, 2.0]
+        super().__init__(n_var=4, n_obj=2, n_ieq_constr=1, xl=np.array(low), xu=np.array(high))
+        self.specification = specification
+
+    def _evaluate(self, x, out, *args, **kwargs):
+        base, share, y, size = x.T
+        links = 0.3 - 0.5 * base
+        crank, coupler = share * links, (1.0 - share) * links
+        rows = np.stack([crank, coupler, coupler, crank, base, size * links, 0.0 * y, y * links], 1)
+        dexterity = fivebar.dexterities(self.specification, rows)
+        out["F"] = np.stack([-size * links, -dexterity], 1)
+        out["G"] = (0.5 - dexterity)[:, None]
+
+
+def compared(kind, base, front, seed):
+    specification = LEG.format(kind=kind, base=base, front=front)
+    started = time.perf_counter()
+    found = fivebar.design(specification, seed=seed).figures
+    ours, spent = [(d["size"], d["dexterity"]) for d in found["front"]], time.perf_counter() - started
+    started = time.perf_counter()
+    result = minimize(Lengths(specification, base), NSGA2(pop_size=POPULATION),
+                      ("n_evals", found["evaluations"]), seed=seed)
+    theirs = [(-size, -dexterity) for size, dexterity in result.F.tolist()]
+    slower = time.perf_counter() - started
+    largest = max(size for size, _ in ours)
+    volumes = [hypervolume(points, largest)
+               for points in (ours, chosen(theirs, len(ours)), theirs)]
+    return found["evaluations"], volumes, max(size for size, _ in theirs) / largest, spent, slower
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--front", type=int, default=10, help="designs; 50 for a front as dense as NSGA-II's")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--cases", type=int, default=len(CASES))
+    parser.add_argument("--write", type=Path, metavar="FILE.md")
+    given = parser.parse_args()
+    lines = ["| area | seed | evaluations | `fivebar design` | NSGA-II, as many arms | NSGA-II, all arms | its largest area by ours |",
+             "|---|---|---|---|---|---|---|"]
+    worse = 0
+    for name, (kind, base) in list(CASES.items())[:given.cases]:
+        for seed in given.seeds:
+            evaluations, (ours, same, whole), largest, spent, slower = compared(
+                kind, base, given.front, seed)
+            worse += same > ours + TIE
+            lines.append(f"| {name} | {seed} | {evaluations:,} | {ours:.4f} | {same:.4f} | "
+                         f"{whole:.4f} | {largest:.5f} |")
+            print(lines[-1], f"{spent:.1f} s, {slower:.1f} s", flush=True)
+    if given.write:
+        page = __doc__.split("\n\n")[2].strip()
+        given.write.write_text(
+            "# The front beside NSGA-II\n\n"
+            f"`python tests/peers/front.py --front {given.front} --write docs/verify/front.md` makes this page.\n"
+            f"{page}\n\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    sys.exit(f"front: NSGA-II is better {worse} times" if worse else 0)
+
+
+if __name__ == "__main__":
+    main()
