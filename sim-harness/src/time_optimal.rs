@@ -6,8 +6,8 @@
 
 use crate::segment::segment;
 use fivebar_design::time_optimal::{
-    DrivenArm, FallingTorque, JobPath, KnotInterval, PathPart, PathPiece, PlanError, PlanLimits,
-    TimedPiece, TimedRun, plan_timed,
+    DrivenArm, JobPath, KnotInterval, PathPart, PathPiece, PlanError, PlanLimits, TimedPiece,
+    TimedRun, plan_timed,
 };
 use fivebar_files::robot::{MissingMasses, Robot, WorkspaceError};
 use fivebar_firmware::planner::{MoveError, Planner};
@@ -70,12 +70,10 @@ const JOINT_SHARE: f64 = 0.98;
 const MOST_INERTIA: f64 = 30.0;
 /// Time between the knots of a plan's spline, on arms that are not on steppers [s].
 const INTERVAL: f64 = 4e-3;
-/// What plans on steppers take of `torque_share`. The rest is for the swing of the rotors where the acceleration changes:
-/// with all of it, random jobs lost steps (docs/verify/stepper-motion.md).
-const BESIDE_SWINGS: f64 = 5.0 / 6.0;
 /// The least time between the knots of a plan's spline on steppers, of a rotor's period of swinging: in a quicker change
-/// of acceleration it swings too far, in a slower one the motion takes longer.
-const OF_A_SWING: f64 = 0.7;
+/// of acceleration an arm that is not quite the file's swings too far, in a slower one the motion takes longer
+/// (docs/verify/stepper-motion.md).
+const OF_A_SWING: f64 = 0.5;
 /// The limits of the tool by which the look-ahead chooses between rounding a corner and stopping
 /// there: more than an arm's.
 const TOOL: MotionLimits<f64> = MotionLimits {
@@ -133,18 +131,18 @@ impl JobPlanner {
         }
         let drives = robot.drives()?;
         // A stepper's limits have their own share, of its pull-out torque.
-        let falling_torque = robot.falling_torque().map(|joints| {
-            joints.map(|FallingTorque { standing, slope }| FallingTorque {
-                standing: BESIDE_SWINGS * standing,
-                slope: BESIDE_SWINGS * slope,
-            })
-        });
+        let falling_torque = robot.falling_torque();
         let torque_share = match falling_torque {
-            Some(_) => BESIDE_SWINGS * JOINT_SHARE,
+            Some(_) => JOINT_SHARE,
             None => torque_share,
         };
         let torque = drives.map(|drive| torque_share * drive.peak_torque());
         let share = |values: [f64; 2]| values.map(|value| JOINT_SHARE * value);
+        let [fastest1, fastest4] = robot.limits.max_speed;
+        let speed = share(match robot.tracked_speed() {
+            Some([tracked1, tracked4]) => [fastest1.min(tracked1), fastest4.min(tracked4)],
+            None => [fastest1, fastest4],
+        });
         let tool = robot.tool_on_link()?;
         let mode = robot.working_mode();
         let workspace = robot.workspace(mode)?;
@@ -152,7 +150,7 @@ impl JobPlanner {
             arm: DrivenArm::new(arm, tool, mode, robot.planned_drives())?,
             envelope: Envelope {
                 workspace,
-                joint_speed: share(robot.limits.max_speed),
+                joint_speed: speed,
                 joint_acceleration: share(robot.limits.max_acceleration),
                 torque: Some(TorqueLimits { arm: *arm, torque }),
                 tool_motion: TOOL,
@@ -161,7 +159,7 @@ impl JobPlanner {
             limits: PlanLimits {
                 torque,
                 falling_torque,
-                speed: share(robot.limits.max_speed),
+                speed,
                 acceleration: share(robot.limits.max_acceleration),
                 voltage: robot
                     .actuators

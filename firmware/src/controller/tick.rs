@@ -143,7 +143,7 @@ impl<D: Drives> ArmController<D> {
         // Of the moment that the observer observes.
         let alpha1 = self.past.alpha(five_bar::Joint::Joint1, &model1.servo.age);
         let alpha4 = self.past.alpha(five_bar::Joint::Joint4, &model4.servo.age);
-        let [counts1, counts4] = sample.counts;
+        let [counts1, counts4] = self.drives.counts(sample.counts);
         let innovation = [
             joint1.measure(model1, counts1, alpha1),
             joint4.measure(model4, counts4, alpha4),
@@ -268,7 +268,7 @@ impl<D: Drives> ArmController<D> {
                 .joints
                 .iter_mut()
                 .zip(&self.model.axes)
-                .zip(sample.counts)
+                .zip(self.drives.counts(sample.counts))
             {
                 joint.begin(axis, counts);
             }
@@ -291,7 +291,7 @@ impl<D: Drives> ArmController<D> {
                 if self.waking == 0 {
                     self.brake.release();
                 }
-                self.drives.wake(sample.counts);
+                self.drives.wake(self.drives.counts(sample.counts));
                 self.release();
                 WithoutReference::Waking
             }

@@ -4,7 +4,7 @@
 use super::ArmController;
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
-use crate::drives::Drives;
+use crate::drives::{Drives, Needs};
 use crate::safety::{Event, Fault, Limits, State};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Joint, Links, PoseError};
@@ -53,7 +53,11 @@ impl<D: Drives> ArmController<D> {
         let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
         let alpha1 = loop1.acceleration(joint1.integral, alpha1d, error1, rate1);
         let alpha4 = loop4.acceleration(joint4.integral, alpha4d, error4, rate4);
-        let alpha = [alpha1, alpha4];
+        let alpha = match D::NEEDS {
+            Needs::Torque => [alpha1, alpha4],
+            // The load of the motion itself: nothing is fed back.
+            Needs::Motion => [alpha1d, alpha4d],
+        };
         self.rest.demanded = alpha;
         let [torque1, torque4] = if self.model.computed_torque {
             let equations = &self.model.equations;

@@ -13,6 +13,7 @@
 mod brushed;
 pub mod can;
 mod excitation;
+mod lead;
 mod slip;
 mod step;
 mod torque;
@@ -135,6 +136,12 @@ pub trait Drives: Clone {
 
     /// Takes over a tick's sample.
     fn sense(&mut self, sample: &Self::Sample);
+
+    /// The counts that the joints' angles follow from, of those of a sample.
+    #[inline(always)]
+    fn counts(&self, counts: [i32; 2]) -> [i32; 2] {
+        counts
+    }
 
     /// The fault that the sample of a drive shows by itself.
     fn drive_fault(&self) -> Option<Fault>;

@@ -1,5 +1,6 @@
 //! Step and direction: stepper motors that make the micro-steps to their set-points.
 
+use super::lead::Lead;
 use super::slip::Slip;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
 use crate::drives::{Demand, Motion};
@@ -27,9 +28,16 @@ impl Resolution {
         f32::from(self.full_steps) * f32::from(self.microsteps)
     }
 
-    /// A resolution with so many micro-steps in a turn, for a motor whose counts are its micro-steps: how both share them
-    /// is then of no matter. None for a number that it cannot express, an odd one above 65 535.
+    /// A resolution with so many micro-steps in a turn, for a motor whose counts are its micro-steps: with 200 full steps if
+    /// it can be. How both share them changes no more than how far the lead of a heavy load is from proportional. None for
+    /// a number that it cannot express, an odd one above 65 535.
     fn of_turn(microsteps: u32) -> Self {
+        if let (0, Ok(microsteps)) = (microsteps % 200, u16::try_from(microsteps / 200)) {
+            return Self {
+                full_steps: 200,
+                microsteps,
+            };
+        }
         let zeros = microsteps.trailing_zeros().min(15);
         Self {
             full_steps: u16::try_from(microsteps >> zeros).unwrap_or(0),
@@ -54,11 +62,12 @@ pub struct StepCommand {
     pub steps: [i32; 2],
 }
 
-/// Both stepper drives. Each makes the micro-steps that lead from where its motor is told to be to the set-point.
+/// Both stepper drives. Each makes the micro-steps that lead from where its motor is told to be to the set-point, and the
+/// lead of its field by the load ([`Lead`]).
 ///
 /// Without an encoder, the counts of the sample are the micro-steps made: the controller takes the place that the motor
-/// is told for the place where it is, and no check sees a motor that has lost steps. The axis settings are those of an
-/// encoder with one count a micro-step.
+/// is told, less the lead, for the place where it is, and no check sees a motor that has lost steps. The axis settings
+/// are those of an encoder with one count a micro-step.
 ///
 /// With an encoder, the joint's angle is what it counts, and [`Fault::StepsLost`] ends a motion in which counts and
 /// micro-steps part. The angle stays known.
@@ -75,9 +84,11 @@ struct Axis {
     /// The most motor turns in a tick.
     fastest: f32,
     slip: Slip,
+    lead: Lead,
     /// Micro-steps made until this tick.
     made: i32,
     resolution: Resolution,
+    has_encoder: bool,
     /// The resolution of a motor whose counts are its micro-steps.
     counted: Resolution,
     /// Micro-steps to make until the next one.
@@ -97,10 +108,13 @@ impl Drives for StepDrives {
     const WAKE_UP_TIME: f32 = 0.2;
 
     fn new(settings: &CheckedSettings) -> Self {
-        let [axis1, axis4] = &settings.axes;
+        let ([axis1, axis4], [field1, field4]) = (&settings.axes, &settings.belts);
         let tick_rate = settings.control.tick_rate;
         Self {
-            axes: [axis1, axis4].map(|axis| Axis::new(axis, tick_rate)),
+            axes: [
+                Axis::new(axis1, field1.stiffness, tick_rate),
+                Axis::new(axis4, field4.stiffness, tick_rate),
+            ],
         }
     }
 
@@ -118,11 +132,20 @@ impl Drives for StepDrives {
         let StepSample { steps, resolution } = *sample;
         for ((axis, made), resolution) in self.axes.iter_mut().zip(steps).zip(resolution) {
             axis.made = made;
-            axis.resolution = match resolution {
-                Resolution { full_steps: 0, .. } => axis.counted,
-                told => told,
+            axis.has_encoder = resolution.full_steps > 0;
+            axis.resolution = if axis.has_encoder {
+                resolution
+            } else {
+                axis.counted
             };
         }
+    }
+
+    /// Without an encoder, the micro-steps made less those of the lead.
+    #[inline(always)]
+    fn counts(&self, [counts1, counts4]: [i32; 2]) -> [i32; 2] {
+        let [axis1, axis4] = &self.axes;
+        [axis1.counts(counts1), axis4.counts(counts4)]
     }
 
     fn drive_fault(&self) -> Option<Fault> {
@@ -152,8 +175,13 @@ impl Drives for StepDrives {
             velocity: [omega1, omega4],
             ..
         } = demand.motion;
-        let limited1 = axis1.drive(counted1, direction1, omega1);
-        let limited4 = axis4.drive(counted4, direction4, omega4);
+        // The torque of another motion is that of a loop, which sees each micro-step.
+        let loads = demand
+            .torque
+            .map(|torque| demand.keeps_to_motion.then_some(torque));
+        let [load1, load4] = loads;
+        let limited1 = axis1.drive(counted1, direction1, omega1, load1);
+        let limited4 = axis4.drive(counted4, direction4, omega4, load4);
         limited1 || limited4
     }
 
@@ -219,12 +247,14 @@ impl Drives for StepDrives {
 }
 
 impl Axis {
-    fn new(axis: &AxisSettings, tick_rate: f32) -> Self {
+    fn new(axis: &AxisSettings, stiffness: f32, tick_rate: f32) -> Self {
         let turns = axis.gear_ratio * (1.0 / TAU);
         Self {
             turns,
             fastest: MARGIN * axis.max_speed * Scalar::abs(turns) / tick_rate,
             slip: Slip::new(axis.encoder_counts, tick_rate),
+            lead: Lead::new(axis.gear_ratio, stiffness),
+            has_encoder: false,
             made: 0,
             resolution: Resolution::default(),
             counted: Resolution::of_turn(axis.encoder_counts),
@@ -234,14 +264,30 @@ impl Axis {
 
     #[inline(always)]
     fn fault(&mut self, counts: i32) -> Option<Fault> {
-        self.slip.fault(counts, self.made, self.resolution)
+        let told = self.made.wrapping_sub(self.lead.made());
+        self.slip.fault(counts, told, self.resolution)
     }
 
-    /// n = (θd − θ) N/2π + d, rounded, of the set-point θd at the end of the tick, the counted angle θ and the rotor's lead
-    /// d: both together are where the motor is told to be. What rounding leaves is in the next tick's difference. True if
-    /// the speed limits them.
     #[inline(always)]
-    fn drive(&mut self, counted: f32, set_point: [f32; 2], velocity: f32) -> bool {
+    fn counts(&self, counts: i32) -> i32 {
+        if self.has_encoder {
+            counts
+        } else {
+            counts.wrapping_sub(self.lead.made())
+        }
+    }
+
+    /// n = (θd − θ) N/2π + d + l − l₀, rounded, of the set-point θd at the end of the tick, the counted angle θ, the rotor's
+    /// distance d before where it is told to be, and the field's lead l for the load [N·m], which was l₀ before. What rounding leaves is in the
+    /// next tick's difference. True if the speed limits them.
+    #[inline(always)]
+    fn drive(
+        &mut self,
+        counted: f32,
+        set_point: [f32; 2],
+        velocity: f32,
+        load: Option<f32>,
+    ) -> bool {
         if velocity != 0.0 {
             self.slip.moves();
         }
@@ -249,7 +295,11 @@ impl Axis {
         let gap = Vector2::unit(counted).cross_z(set_point.into());
         // `as` cuts: one more.
         let most = (self.fastest * per_turn) as i32 + 1;
-        let (steps, limited) = whole(gap * self.turns * per_turn + self.slip.ahead(), most);
+        let lead = self.lead.wanted(load, self.resolution);
+        let led = lead - self.lead.made() as f32;
+        let micro_steps = gap * self.turns * per_turn + self.slip.ahead() + led;
+        let (steps, limited) = whole(micro_steps, most);
+        self.lead.make(whole(lead, i32::MAX).0);
         self.steps = steps;
         limited
     }
@@ -268,6 +318,7 @@ fn whole(steps: f32, most: i32) -> (i32, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::BeltSettings;
 
     fn demand(counted: f32, wanted: f32) -> Demand {
         let direction = Vector2::unit(wanted).into();
@@ -324,6 +375,87 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A field of 320 N·m/rad at the joint holds 0.4 N·m at the motor, 1.6 N·m at the joint.
+    #[test]
+    fn a_loaded_rotor_is_at_the_set_point_with_its_field_ahead_of_it() {
+        let mut settings = Settings::BENCHTOP;
+        for (axis, belt) in settings.axes.iter_mut().zip(&mut settings.belts) {
+            (axis.encoder_counts, axis.gear_ratio) = (3200, 4.0);
+            *belt = BeltSettings::spring(320.0);
+        }
+        let settings = settings.check().expect("settings");
+        let step = TAU / 12_800.0;
+        for encoder in [false, true] {
+            let mut drives = StepDrives::new(&settings);
+            let (mut total, mut load) = ([0_i32; 2], [0.0_f32; 2]);
+            for tick in 0..20_000_u32 {
+                // An encoder counts the rotor, which its load holds back.
+                let rotors = [0, 1].map(|j: usize| {
+                    let held_back = (load[j] / 1.6).asin() / 50.0 / TAU * 3200.0;
+                    total[j] as f32 - held_back
+                });
+                let sample = if encoder {
+                    made(total)
+                } else {
+                    StepSample {
+                        steps: total,
+                        ..StepSample::default()
+                    }
+                };
+                drives.sense(&sample);
+                let counts = drives.counts(if encoder {
+                    rotors.map(|rotor| rotor.round() as i32)
+                } else {
+                    total
+                });
+                let joint = |counts| JointState {
+                    counts,
+                    velocity: 0.0,
+                    error: 0.0,
+                };
+                assert_eq!(drives.contradiction(counts.map(joint)), None);
+                let angle = tick as f32 * 5e-4;
+                let wanted = 1.2 * (angle.sin());
+                load = [angle.sin(), -0.9 * angle.cos()];
+                let mut demand = demand(0.0, wanted);
+                demand.counted = counts.map(|counts| counts as f32 * step);
+                demand.torque = load;
+                demand.motion.velocity = [1.0; 2];
+                drives.drive(&demand);
+                for (total, steps) in total.iter_mut().zip(drives.command().steps) {
+                    *total += steps;
+                }
+                for j in [0, 1] {
+                    let held_back = (load[j] / 1.6).asin() / 50.0 / TAU * 3200.0;
+                    let rotor = (total[j] as f32 - held_back) * step;
+                    // The second rotor's load begins with 0.9 N·m, at once: until the swing is calm, an encoder's mean takes it in.
+                    if tick > 100 {
+                        assert!(
+                            (rotor - wanted).abs() < 0.55 * step,
+                            "{encoder} {tick}: {rotor} for {wanted}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_load_that_no_motion_needs_changes_no_lead() {
+        let mut settings = Settings::BENCHTOP;
+        settings.belts = [BeltSettings::spring(320.0); 2];
+        let mut drives = StepDrives::new(&settings.check().expect("settings"));
+        drives.sense(&StepSample::default());
+        let mut demand = demand(0.0, 0.0);
+        demand.torque = [0.5; 2];
+        demand.keeps_to_motion = false;
+        drives.drive(&demand);
+        assert_eq!(drives.command(), StepCommand::default());
+        demand.keeps_to_motion = true;
+        drives.drive(&demand);
+        assert_ne!(drives.command(), StepCommand::default());
     }
 
     #[test]

@@ -7,8 +7,12 @@ use serde::{Deserialize, Serialize};
 /// The greatest encoder latency of an arm on belts, in ticks.
 pub const MOST_LATE_TICKS: usize = 7;
 
+/// The greatest stiffness at a joint [N·m/rad].
+const MOST_STIFFNESS: f32 = 1e7;
+
 /// A belt between a motor and its joint, or what else stretches there, and the loop that knows it. Without
-/// stiffness the drive is rigid: the loop is that of [`ControlSettings`](super::ControlSettings).
+/// stiffness the drive is rigid: the loop is that of [`ControlSettings`](super::ControlSettings). The field of a stepper
+/// is a spring without a loop: it leads its rotor by the load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BeltSettings {
     /// Stiffness at the joint [N·m/rad]; 0: rigid.
@@ -39,6 +43,14 @@ impl BeltSettings {
         observer: [0.0; 5],
     };
 
+    /// The field of a stepper with this stiffness at the joint [N·m/rad], and no loop.
+    pub const fn spring(stiffness: f32) -> Self {
+        Self {
+            stiffness,
+            ..Self::RIGID
+        }
+    }
+
     /// The law of this joint, with this share of the bandwidth of a moving arm; the lags are those of the torque
     /// behind its demand, and behind the sample [s].
     pub(crate) fn law(
@@ -64,11 +76,18 @@ impl BeltSettings {
         BeltLaw::new(&belt, &gains, drive_lag, lag, period)
     }
 
+    /// Whether it is a spring without a loop.
+    fn is_spring(&self) -> bool {
+        self.stiffness > 0.0
+            && self.stiffness <= MOST_STIFFNESS
+            && *self == Self::spring(self.stiffness)
+    }
+
     /// Whether its numbers are those of a loop. Within these bounds nothing overflows.
     fn is_sound(&self) -> bool {
         let positive = |value: f32, most: f32| value > 0.0 && value <= most;
         let gains = self.observer.iter();
-        positive(self.stiffness, 1e7)
+        positive(self.stiffness, MOST_STIFFNESS)
             && (0.0..=1e4).contains(&self.damping)
             && positive(self.bandwidth, 1e4)
             && positive(self.damping_ratio, 10.0)
@@ -78,14 +97,15 @@ impl BeltSettings {
 }
 
 impl Settings {
-    /// Whether both joints are on belts.
+    /// Whether both joints are on belts with loops.
     pub fn is_on_belts(&self) -> bool {
-        self.belts.iter().all(|belt| belt.stiffness != 0.0)
+        self.belts.iter().all(|belt| belt.bandwidth != 0.0)
     }
 
-    /// Whether both drives are rigid, or both are on belts with sound loops.
+    /// Whether both drives are rigid, or both fields of steppers, or both on belts with sound loops.
     pub(super) fn belts_are_sound(&self) -> bool {
-        if self.belts == [BeltSettings::RIGID; 2] {
+        if self.belts == [BeltSettings::RIGID; 2] || self.belts.iter().all(BeltSettings::is_spring)
+        {
             return true;
         }
         let late = MOST_LATE_TICKS as f32 + 0.5;

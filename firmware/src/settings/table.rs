@@ -346,7 +346,7 @@ fields! {
         "" as "belts",
         "What stretches between the motors and their joints" [""];
         0.0 => if all.belts_are_sound(),
-            "must have positive stiffness, bandwidth and damping ratio at both joints or none, rotors with inertia, and encoders at most 7 ticks late"
+            "must have positive stiffness at both joints or none: of steppers nothing else; of belts positive bandwidth and damping ratio, rotors with inertia, and encoders at most 7 ticks late"
     }
     DisarmTimeout {
         "advanced.disarm_timeout" as "advanced.disarm_timeout",

@@ -6,7 +6,7 @@
 //! θ is the motor's angle, φ that of the field, N a quarter of the full steps of a turn, K the holding torque over
 //! the rated current I, τ_d the detent torque.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Speeds at which the line below the pull-out torque is compared with it.
 const SPEEDS: u32 = 64;
@@ -47,6 +47,11 @@ impl Stepper {
         self.holding_torque / self.rated_current
     }
 
+    /// The stiffness of the field as a spring at the joint, k = G² N T at the rated current [N·m/rad].
+    pub fn stiffness(&self) -> f64 {
+        self.gear_ratio * self.gear_ratio * self.periods() * self.holding_torque
+    }
+
     /// The field's angle φ after so many micro-steps [rad].
     pub fn field(&self, microsteps: i64) -> f64 {
         let per_full_step = i64::from(self.microsteps);
@@ -85,6 +90,17 @@ impl Stepper {
         let reactance = self.periods() * speed * self.inductance;
         let squared = r * r + reactance * reactance;
         k * supply / squared.sqrt() - k * k * speed * r / squared
+    }
+
+    /// The speed up to which the currents follow the field on this supply [V], at the motor's shaft [rad/s]:
+    ///
+    /// ω = (4/π) V/(K + N L I).
+    ///
+    /// There the back-EMF and the inductance's voltage, which add up in a rotor without load, take the greatest fundamental
+    /// that a driver makes of its supply. Above it the currents lag, and the rotor with them.
+    pub fn tracked_speed(&self, supply: f64) -> f64 {
+        let inductive = self.periods() * self.inductance * self.rated_current;
+        4.0 / PI * supply / (self.torque_constant() + inductive)
     }
 
     /// A straight line below the pull-out torque at all speeds up to `fastest` [rad/s], as its torque at rest [N·m] and

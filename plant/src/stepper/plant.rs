@@ -176,11 +176,7 @@ impl StepperPlant {
             counts,
             drives: StepSample {
                 steps,
-                // The checks of a robot file keep both below 65,536.
-                resolution: self.axes.each_ref().map(|axis| Resolution {
-                    full_steps: axis.motor.steps_per_turn as u16,
-                    microsteps: axis.motor.microsteps as u16,
-                }),
+                resolution: self.axes.each_ref().map(Axis::resolution),
             },
             home: sample.home,
             index: sample.index,
@@ -263,6 +259,19 @@ impl StepperPlant {
 }
 
 impl Axis {
+    /// As a board tells it: nothing of a motor without an encoder.
+    fn resolution(&self) -> Resolution {
+        let motor = &self.motor;
+        if !motor.encoder {
+            return Resolution::default();
+        }
+        // The checks of a robot file keep both below 65,536.
+        Resolution {
+            full_steps: motor.steps_per_turn as u16,
+            microsteps: motor.microsteps as u16,
+        }
+    }
+
     /// Makes the micro-steps up to this one.
     fn make(&mut self, made: i64) {
         let steps = made - self.made;

@@ -101,7 +101,9 @@ impl Robot {
                 ..self.advanced
             },
             brake: brakes(&actuators),
-            belts: belt_settings(belts, &actuators),
+            belts: self
+                .field_settings()
+                .unwrap_or_else(|| belt_settings(belts, &actuators)),
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
         };
         if let Some(setup) = self.bus_setup() {

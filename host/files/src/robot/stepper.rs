@@ -4,9 +4,11 @@
 //! it. A time-optimal plan takes that share at each speed, by a straight line below the curve; motions at feed rates take
 //! the share at the joint's greatest speed, which is the least.
 
+use super::settings::single;
 use super::{Actuator, Robot};
 use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_design::time_optimal::FallingTorque;
+use fivebar_firmware::settings::BeltSettings;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Stepper as Motor;
 use std::f64::consts::TAU;
@@ -62,6 +64,12 @@ impl Robot {
         Some([first.stepper?.motor, second.stepper?.motor])
     }
 
+    /// The controller's settings of the fields of steppers; none of other motors.
+    pub(super) fn field_settings(&self) -> Option<[BeltSettings; 2]> {
+        let motors = self.steppers()?;
+        Some(motors.map(|motor| BeltSettings::spring(single(motor.stiffness()))))
+    }
+
     /// The inertias at the motors of an arm at home, rotors included [kg·m²]; none without steppers.
     fn inertia_at_motors(&self) -> Option<[f64; 2]> {
         let motors = self.steppers()?;
@@ -79,6 +87,13 @@ impl Robot {
         let (motors, inertia) = (self.steppers()?, self.inertia_at_motors()?);
         let periods = Joint::ALL.map(|j| 1.0 / motors[j].natural_frequency(inertia[j]));
         Some(periods[0].max(periods[1]))
+    }
+
+    /// The joints' speeds up to which the currents of steppers follow the micro-steps, also with no load [rad/s]; none of
+    /// other motors.
+    pub fn tracked_speed(&self) -> Option<[f64; 2]> {
+        let motors = self.steppers()?;
+        Some(motors.map(|motor| motor.tracked_speed(self.supply.voltage) / motor.gear_ratio.abs()))
     }
 
     /// The torques at the joints that a time-optimal plan may take of steppers at each speed; none of other motors.
