@@ -51,10 +51,11 @@ impl<D: Drives> ArmController<D> {
         let [joint1, joint4] = &mut self.joints;
         let [axis1, axis4] = &self.model.axes;
         let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
-        let alpha1 = loop1.acceleration(joint1.integral, alpha1d, error1, rate1);
-        let alpha4 = loop4.acceleration(joint4.integral, alpha4d, error4, rate4);
         let alpha = match D::NEEDS {
-            Needs::Torque => [alpha1, alpha4],
+            Needs::Torque => [
+                loop1.acceleration(joint1.integral, alpha1d, error1, rate1),
+                loop4.acceleration(joint4.integral, alpha4d, error4, rate4),
+            ],
             // The load of the motion itself: nothing is fed back.
             Needs::Motion => [alpha1d, alpha4d],
         };
@@ -64,6 +65,7 @@ impl<D: Drives> ArmController<D> {
             equations.torques(&links, [omega1, omega4], alpha)
         } else {
             // Independent joints: PID and the acceleration's feed-forward at a constant inertia.
+            let [alpha1, alpha4] = alpha;
             let [inertia1, inertia4] = self.model.nominal_inertia;
             [inertia1 * alpha1, inertia4 * alpha4]
         };
@@ -72,8 +74,10 @@ impl<D: Drives> ArmController<D> {
             torque4 + axis4.friction.torque(omega4d),
         ];
         let (torque, limited) = self.model.torque_limit.apply(demanded);
-        loop1.integrate(&mut joint1.integral, error1, limited);
-        loop4.integrate(&mut joint4.integral, error4, limited);
+        if let Needs::Torque = D::NEEDS {
+            loop1.integrate(&mut joint1.integral, error1, limited);
+            loop4.integrate(&mut joint4.integral, error4, limited);
+        }
         Ok(TorqueCommand {
             torque,
             limits: limits.with(Limits::TORQUE, limited),

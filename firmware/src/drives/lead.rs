@@ -16,8 +16,8 @@ use super::step::Resolution;
 use core::f32::consts::PI;
 use fivebar_kinematics::Scalar;
 
-/// The greatest sin δ: near 1 the field gives no more torque for more lead.
-const MOST: f32 = 0.95;
+/// The greatest sin δ: near 1 the field gives hardly more torque for more lead.
+const MOST: f32 = 0.9;
 
 /// The lead of one joint's motor.
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +57,7 @@ impl Lead {
         let periods = 0.25 * f32::from(resolution.full_steps);
         // `clamp` could panic.
         let sine = (torque * self.compliance * periods).max(-MOST).min(MOST);
-        let angle = Scalar::atan2(sine, Scalar::sqrt(1.0 - sine * sine));
-        angle * (2.0 / PI) * f32::from(resolution.microsteps)
+        arcsine(sine) * (2.0 / PI) * f32::from(resolution.microsteps)
     }
 
     /// The field leads by so many micro-steps.
@@ -66,6 +65,13 @@ impl Lead {
     pub(super) fn make(&mut self, micro_steps: i32) {
         self.made = micro_steps;
     }
+}
+
+/// arcsin x by the first terms of its series: too small by 0.3 % at 0.7, by 3 % at 0.9 [rad].
+#[inline(always)]
+fn arcsine(x: f32) -> f32 {
+    let square = x * x;
+    x * (1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (15.0 / 336.0))))
 }
 
 #[cfg(test)]
@@ -82,23 +88,30 @@ mod tests {
         for gear_ratio in [4.0_f32, -3.0] {
             let holding = 0.4;
             let lead = Lead::new(gear_ratio, gear_ratio * gear_ratio * 50.0 * holding);
-            for share in [-0.9_f32, -0.3, 0.0, 1e-3, 0.6, 0.9] {
+            for (share, within) in [
+                (-0.9_f32, 2e-2),
+                (-0.3, 1e-5),
+                (0.0, 0.0),
+                (1e-3, 1e-5),
+                (0.6, 1e-3),
+            ] {
                 let torque = share * holding * gear_ratio;
                 let micro_steps = lead.wanted(Some(torque), NEMA17);
                 // N times the motor's angle.
                 let electric = 50.0 * micro_steps * core::f32::consts::TAU / 3200.0;
                 let given = gear_ratio * holding * electric.sin();
-                assert!((given - torque).abs() < 1e-5, "{given} for {torque} N·m");
+                let error = (given - torque).abs();
+                assert!(error <= within * torque.abs(), "{given} for {torque} N·m");
             }
         }
     }
 
     #[test]
-    fn the_lead_stays_within_a_full_step_and_without_a_torque_as_it_is() {
+    fn the_lead_stays_within_three_quarters_of_a_full_step_and_without_a_torque_as_it_is() {
         let mut lead = Lead::new(4.0, 320.0);
         for torque in [1e3, f32::MAX] {
-            assert!((12.0..16.0).contains(&lead.wanted(Some(torque), NEMA17)));
-            assert!((-16.0..-12.0).contains(&lead.wanted(Some(-torque), NEMA17)));
+            assert!((11.0..12.0).contains(&lead.wanted(Some(torque), NEMA17)));
+            assert!((-12.0..-11.0).contains(&lead.wanted(Some(-torque), NEMA17)));
         }
         lead.make(7);
         for torque in [None, Some(f32::NAN), Some(f32::INFINITY)] {

@@ -43,6 +43,12 @@ fn the_fastest_motion_within_the_share_of_the_torque_loses_no_step_and_far_above
         assert_eq!(fast.lost_steps, Some([0, 0]), "{mismatch}");
         assert!(record.faults.is_empty());
         assert!(fast.job_s.unwrap() < 0.5 * slow.job_s.unwrap());
+        // The load's angle alone would be 0.5 mm at the tool: the field leads by it.
+        assert!(
+            fast.tip_error.rms_m < 0.14e-3,
+            "{mismatch}: {:?}",
+            fast.tip_error
+        );
     }
     let overloaded = benchtop(|text| text.replace("torque_share = 0.6", "torque_share = 1.3"));
     scenario.robot = overloaded;
