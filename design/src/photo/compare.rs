@@ -6,7 +6,7 @@ use super::picture::Picture;
 use super::profile::ink_middle;
 use super::samples::{SPACING, Sample, length, samples};
 use super::view::{LENS, View};
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Isometry2, Matrix3, Point2, Translation2, Vector2, Vector3};
 use std::f64::consts::TAU;
 
 /// The distortion k of the lens, with the radius in halves of the picture's diagonal.
@@ -95,6 +95,9 @@ const FOUND: f64 = 0.4;
 const LENS_POINTS: usize = 1500;
 /// Step between the distortions that are tried first: it moves a point by less than half a window.
 const LENS_STEP: f64 = 4e-3;
+/// How often the placement is taken away and the strokes are measured again. A stroke of radius r that is moved by s
+/// along itself seems to lie s²/(2r) aside, so the errors of a moved drawing are not those plus n·a.
+const PLACEMENTS: usize = 3;
 /// Neighbours of a point along its stroke, to each side.
 const NEAR: usize = 2;
 /// An error that is farther outside of those of its neighbours is of a speck [m].
@@ -130,16 +133,27 @@ pub fn compare(photo: &Photograph<'_>) -> Result<Comparison, PhotoError> {
         let measured = in_turn(measured);
         pairs = [0, 1, 2, 3].map(|index| (measured[index], pairs[index].1));
     }
-    let view = View::through(photo.picture.size(), &pairs, lens).ok_or(PhotoError::View)?;
-    let found = without_specks(&errors(photo, &view, &samples));
-    let share = found.len() as f64 / samples.len() as f64;
-    if share < FOUND {
-        return Err(PhotoError::OtherJob(share));
-    }
-    let deviations = match photo.measured {
-        Some(_) => without_placement(&found).unwrap_or(found),
-        None => found,
+    let measure = |pairs: &Pairs| {
+        let view = View::through(photo.picture.size(), pairs, lens).ok_or(PhotoError::View)?;
+        let found = without_specks(&errors(photo, &view, &samples));
+        let share = found.len() as f64 / samples.len() as f64;
+        if share < FOUND {
+            return Err(PhotoError::OtherJob(share));
+        }
+        Ok((view, found))
     };
+    let (mut view, mut deviations) = measure(&pairs)?;
+    if photo.measured.is_some() {
+        for _ in 0..PLACEMENTS {
+            let Some(back) = without_placement(&deviations) else {
+                break;
+            };
+            for (place, _) in &mut pairs {
+                *place = (back * Point2::from(*place)).coords;
+            }
+            (view, deviations) = measure(&pairs)?;
+        }
+    }
     let squares: f64 = deviations.iter().map(|d| d.error * d.error).sum();
     let straight = View::through(photo.picture.size(), &pairs, 0.0).ok_or(PhotoError::View)?;
     let shift = |d: &Deviation| Some((straight.place(view.pixel(d.place)?)? - d.place).norm());
@@ -296,24 +310,17 @@ fn without_specks(found: &[Option<Deviation>]) -> Vec<Deviation> {
     smooth.collect()
 }
 
-/// The errors without what a translation and a turn of all strokes would take away: the least squares of
-/// t − n·(a + φ Jq). None if the strokes do not determine these.
-fn without_placement(found: &[Deviation]) -> Option<Vec<Deviation>> {
+/// The motion of the whole drawing by a translation and a turn that makes the errors least: the least squares
+/// of t − n·(a + φ Jq), taken back. None if the strokes do not determine it.
+fn without_placement(found: &[Deviation]) -> Option<Isometry2<f64>> {
     let mean = found.iter().map(|d| d.place).sum::<Vector2<f64>>() / found.len() as f64;
-    let row = |d: &Deviation| {
-        let q = d.place - mean;
-        Vector3::new(d.normal.x, d.normal.y, d.normal.y * q.x - d.normal.x * q.y)
-    };
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for deviation in found {
-        let row = row(deviation);
+        let (n, q) = (deviation.normal, deviation.place - mean);
+        let row = Vector3::new(n.x, n.y, n.y * q.x - n.x * q.y);
         normal += row * row.transpose();
         right += row * deviation.error;
     }
     let placement = normal.cholesky()?.solve(&right);
-    let placed = found.iter().map(|deviation| Deviation {
-        error: deviation.error - row(deviation).dot(&placement),
-        ..*deviation
-    });
-    Some(placed.collect())
+    Some(Isometry2::new(mean - placement.xy(), -placement.z) * Translation2::from(-mean))
 }
