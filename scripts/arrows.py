@@ -26,7 +26,7 @@ def allowed():
 
 def packages():
     """The crates of the workspace and of the folders with a lock file of their own."""
-    for manifest in ["Cargo.toml", "verify/chip/Cargo.toml", "verify/fuzz/Cargo.toml", "python/Cargo.toml"]:
+    for manifest in ["Cargo.toml", "verify/chip/Cargo.toml", "verify/fuzz/Cargo.toml", "verify/leg_m0/Cargo.toml", "python/Cargo.toml"]:
         command = ["cargo", "metadata", "--no-deps", "--format-version", "1", "--manifest-path", ROOT / manifest]
         yield from json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["packages"]
 

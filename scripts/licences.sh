@@ -31,6 +31,7 @@ done < <({
     list --target x86_64-unknown-linux-gnu
     list --target thumbv7em-none-eabihf
     list --manifest-path verify/fuzz/Cargo.toml
+    list --manifest-path verify/leg_m0/Cargo.toml --target thumbv6m-none-eabi
     list --manifest-path python/Cargo.toml
     # Of the tests' simulated chip the dependencies; the crate itself is under GPL-2.0-or-later.
     list --manifest-path verify/chip/Cargo.toml | grep -v '^fivebar-chip '

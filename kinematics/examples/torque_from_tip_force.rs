@@ -39,6 +39,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let turned = geometry.forward(theta1 + 1e-6, theta4, pose.assembly())?;
         let work = ground.dot(&(turned.c - pose.c));
         assert!((torque[0] * 1e-6 + work).abs() < 1e-10);
+        // A processor without a floating-point unit takes the angles, the rates and the torques together.
+        let motors = geometry.drive_foot(foot, Vector2::zeros(), ground, knees_out)?;
+        for (in_one_pass, torque) in motors.torque.iter().zip(torque) {
+            assert!((in_one_pass - torque).abs() < 1e-12);
+        }
         torques.push(torque);
     }
     // The torques vanish as the leg becomes straight: then the links alone carry the weight.

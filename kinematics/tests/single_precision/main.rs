@@ -5,6 +5,7 @@
 
 mod actuated;
 mod arms;
+mod foot;
 mod forward;
 mod refusals;
 mod tool_beside_c;
