@@ -26,8 +26,8 @@ impl ControllerThread {
         }
         let along = velocity.map(|part| part / speed);
         let feed = speed.min(self.session.settings.motion.max_speed);
-        let kind = |way: f32| {
-            let to = [x + way * along[0], y + way * along[1]];
+        let kind = |distance: f32| {
+            let to = [x + distance * along[0], y + distance * along[1]];
             MoveKind::Line { to, feed }
         };
         let reach = self.session.settings.lengths.iter().sum();
@@ -46,9 +46,9 @@ impl ControllerThread {
             return Err("The speed is no number but 0.".into());
         }
         let speed = (rate.abs() / fastest).clamp(LEAST_SPEED, 1.0);
-        let kind = |way: f32| {
+        let kind = |distance: f32| {
             let mut to = angles;
-            to[index] += way * rate.signum();
+            to[index] += distance * rate.signum();
             MoveKind::Joint { to, speed }
         };
         self.go_as_far_as_possible(TAU, kind)
@@ -68,11 +68,11 @@ impl ControllerThread {
         let (tag, tool) = (0, 0);
         let [mut low, mut high] = [0.0, most];
         for _ in 0..HALVINGS {
-            let way = 0.5 * (low + high);
-            let kind = kind(way);
+            let distance = 0.5 * (low + high);
+            let kind = kind(distance);
             match planner.check(from, &Move { tag, tool, kind }) {
-                Ok(_) => low = way,
-                Err(_) => high = way,
+                Ok(_) => low = distance,
+                Err(_) => high = distance,
             }
         }
         if low < LEAST {
