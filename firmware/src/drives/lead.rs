@@ -55,8 +55,7 @@ impl Lead {
             return self.made as f32;
         };
         let periods = 0.25 * f32::from(resolution.full_steps);
-        // `clamp` could panic.
-        let sine = (torque * self.compliance * periods).max(-MOST).min(MOST);
+        let sine = (torque * self.compliance * periods).clamp(-MOST, MOST);
         arcsine(sine) * (2.0 / PI) * f32::from(resolution.microsteps)
     }
 

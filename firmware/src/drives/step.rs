@@ -63,7 +63,7 @@ pub struct StepCommand {
 }
 
 /// Both stepper drives. Each makes the micro-steps that lead from where its motor is told to be to the set-point, and the
-/// lead of its field by the load ([`Lead`]).
+/// lead of its field by the load.
 ///
 /// Without an encoder, the counts of the sample are the micro-steps made: the controller takes the place that the motor
 /// is told, less the lead, for the place where it is, and no check sees a motor that has lost steps. The axis settings
