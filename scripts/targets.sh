@@ -20,4 +20,9 @@ target=thumbv6m-none-eabi
     find_emulator
     cargo build "${leg[@]}" --release --features image --target "$target" "${cargo_flags[@]}"
 )
-LEG_IMAGE=$built/leg_m0/$target/release/image cargo test "${leg[@]}" -- --nocapture
+most=15000
+if [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target" ]; then
+    most=30000
+    echo "targets: Debian's compiler built the leg's image with a \`core\` of its own: its instructions are not held to 15,000"
+fi
+LEG_MOST=$most LEG_IMAGE=$built/leg_m0/$target/release/image cargo test "${leg[@]}" -- --nocapture
