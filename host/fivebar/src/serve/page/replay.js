@@ -2,6 +2,7 @@
 import { isMoving } from "./connection.js";
 import { put } from "./panel.js";
 
+const MOVED = 2e-4; // m: a tool farther from where it was when the replay began has moved
 const at = (id) => document.getElementById(id);
 
 export class Replay {
@@ -10,6 +11,7 @@ export class Replay {
   #redraw;
   #index = null; // of the state that is shown; null: the arm as it is
   #timer = 0;
+  #tool = null; // where the real tool was when the replay began
 
   constructor(recording, drawing, redraw) {
     [this.#recording, this.#drawing, this.#redraw] = [recording, drawing, redraw];
@@ -19,9 +21,14 @@ export class Replay {
     };
   }
 
-  // The real arm is shown as soon as it moves.
+  // The real arm is shown as soon as it moves, or has moved between two states.
   follow(state) {
-    if (isMoving(state) && this.#index !== null) this.end();
+    if (this.#index !== null) {
+      const tool = state.tool ?? this.#tool;
+      this.#tool ??= tool;
+      const moved = tool && Math.hypot(tool[0] - this.#tool[0], tool[1] - this.#tool[1]) > MOVED;
+      if (moved || isMoving(state)) this.end();
+    }
     const last = String(Math.max(0, this.#recording.length - 1));
     if (this.#index === null && at("replay").max !== last) {
       at("replay").max = at("replay").value = last;
@@ -46,7 +53,7 @@ export class Replay {
 
   end() {
     this.#pause();
-    this.#index = null;
+    this.#index = this.#tool = null;
     this.#drawing.replay = null;
     at("replay").value = at("replay").max;
     this.#say();
