@@ -7,7 +7,7 @@ use fivebar_chip::{Chip, HostLine, Image, Options, Outputs, Pin, SampleWindow, W
 use fivebar_files::robot::Robot;
 use fivebar_firmware::protocol::{Board, HostCommand};
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::settings::HomingMethod;
+use fivebar_firmware::settings::{BeltSettings, HomingMethod};
 use fivebar_firmware::{Move, MoveKind, Request, Settings};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_sim::link::Client;
@@ -130,12 +130,14 @@ struct Bench {
     settings: Settings,
 }
 
-/// The robot's settings with as many micro-steps as the board makes at this greatest speed of the joints [rad/s].
+/// The robot's settings with as many micro-steps as the board makes at this greatest speed of the joints [rad/s]. The
+/// fields do not lead the load: where they do, a joint that stops turns back by its lead, and edges say no place.
 fn fastest_settings(fastest: f32) -> Settings {
     let robot = Robot::load("benchtop_stepper").expect("a built-in robot");
     let mut settings = robot.settings().expect("settings");
     settings.home_reference.method = HomingMethod::Switch;
     settings.protection.over_speed = 1.02 * fastest;
+    settings.belts = [BeltSettings::RIGID; 2];
     for axis in &mut settings.axes {
         axis.max_speed = fastest;
         axis.encoder_counts =
