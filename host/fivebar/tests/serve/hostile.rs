@@ -5,7 +5,6 @@ use serde_json::json;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
-use tungstenite::Message;
 
 /// The most memory that the server may take [MB].
 const MEMORY: f64 = 100.0;
@@ -64,14 +63,21 @@ fn key(megabytes: usize) -> String {
     format!(r#"{{"{}":1}}"#, "k".repeat(megabytes << 20))
 }
 
-/// Six connections send keys of 15 MB, and six a message that goes on in empty frames.
+/// The header of a text frame of 60 MB, masked by zeros: longer than the page in control may send.
+fn too_long() -> Vec<u8> {
+    let length = (60_u64 << 20).to_be_bytes();
+    [&[0x81, 0xff][..], &length, &[0; 4]].concat()
+}
+
+/// Six connections begin messages of 60 MB, and six a message that goes on in empty frames.
 fn send_keys_and_empty_frames(server: &Server, page: &mut Page) {
     std::thread::scope(|scope| {
         for _ in 0..6 {
             scope.spawn(|| {
                 let mut hostile = server.socket().expect("a place");
                 // The server closes the connection while the message is sent.
-                let _ = hostile.send(Message::text(key(15)));
+                let _ = hostile.get_mut().write_all(&too_long());
+                let _ = hostile.get_mut().write_all(key(15).as_bytes());
                 while let Ok(message) = hostile.read() {
                     assert!(message.len() < 10_000, "{} bytes came back", message.len());
                 }
