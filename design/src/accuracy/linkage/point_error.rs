@@ -83,7 +83,10 @@ pub(super) fn point_errors(
         };
         let squares = answers.iter().map(PinSensitivity::mean_square);
         point_errors[point] = Some(PointError {
-            clearance_worst: (0..DIRECTIONS).map(far).fold(0.0, f64::max),
+            // Not `f64::max`: of 0 and −0, which is the sum of no clearances, it may be either.
+            clearance_worst: (0..DIRECTIONS)
+                .map(far)
+                .fold(0.0, |worst, far| if far > worst { far } else { worst }),
             clearance_rms: squares.sum::<f64>().sqrt(),
             input_worst: corners.map(|corners| corners[point]),
         });
