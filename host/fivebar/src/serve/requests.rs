@@ -68,13 +68,13 @@ impl ControllerThread {
             return Ok(false);
         }
         let now = Instant::now();
-        let in_control = self.pages.shared.lease.is_held_by(page.id, now);
+        let lease = &self.pages.shared.lease;
+        let in_control = lease.is_held_by(page.id, now);
         let outcome = match kind {
             EventKind::Joined => {
                 // After a page is lost, a moving arm comes to rest before another page may
                 // get control without asking, unless its job runs on.
-                if (self.rests() || self.runs_on()) && !self.pages.shared.lease.is_alive(now) {
-                    let lease = &self.pages.shared.lease;
+                if (self.rests() || self.runs_on()) && !lease.is_alive(now) {
                     lease.acquire(&page, received, now, false);
                 }
                 let endpoints = self.senders.endpoints();
@@ -83,7 +83,9 @@ impl ControllerThread {
                 }
                 Ok(())
             }
-            EventKind::LongMessage(message) if in_control => {
+            // A job moves nothing, and a page is silent while it sends a large one: its lease may
+            // have run out.
+            EventKind::LongMessage(message) if lease.holder() == Some(page.id) => {
                 self.load_job(&page, JobSource::Message(message))
             }
             EventKind::LongMessage(_) => Err("This page watches: take control first.".into()),
