@@ -58,6 +58,7 @@ python() { scripts/python.sh; }
 senders() { scripts/senders.sh; }
 emulated_senders() { scripts/senders.sh --emulated; }
 targets() { scripts/targets.sh; }
+c() { scripts/c.sh; }
 setup() { scripts/toolchain.sh; }
 firmware() {
     scripts/firmware.sh
@@ -81,7 +82,7 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links arrows actions mistakes licences advisories targets setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated fuzz package bring_up senders)
+all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated fuzz package bring_up senders)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
 # build in folders of their own, or the tests alone: the program in `target` is that of the other steps.
 beside=(chip emulated fuzz package)

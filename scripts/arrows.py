@@ -9,6 +9,15 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+#: Of the workspace, and of the folders with a lock file of their own.
+MANIFESTS = [
+    "Cargo.toml",
+    "kinematics/c/Cargo.toml",
+    "verify/chip/Cargo.toml",
+    "verify/fuzz/Cargo.toml",
+    "verify/leg_m0/Cargo.toml",
+    "python/Cargo.toml",
+]
 #: A test module at the end of a file may use what the file may not.
 TESTS = re.compile(r"#\[cfg\(test\)\]\s*mod \w+ \{.*\Z", re.S)
 COMMENT = re.compile(r"//.*")
@@ -26,7 +35,7 @@ def allowed():
 
 def packages():
     """The crates of the workspace and of the folders with a lock file of their own."""
-    for manifest in ["Cargo.toml", "verify/chip/Cargo.toml", "verify/fuzz/Cargo.toml", "verify/leg_m0/Cargo.toml", "python/Cargo.toml"]:
+    for manifest in MANIFESTS:
         command = ["cargo", "metadata", "--no-deps", "--format-version", "1", "--manifest-path", ROOT / manifest]
         yield from json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["packages"]
 

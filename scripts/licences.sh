@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks the licence of every dependency against the list in deny.toml, those of the fuzz
-# targets, the Python package and the simulated chip included, and the vendored uPlot.
+# targets, the interface for C, the Python package and the simulated chip included, and the vendored uPlot.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -32,6 +32,7 @@ done < <({
     list --target thumbv7em-none-eabihf
     list --manifest-path verify/fuzz/Cargo.toml
     list --manifest-path verify/leg_m0/Cargo.toml --target thumbv6m-none-eabi
+    list --manifest-path kinematics/c/Cargo.toml
     list --manifest-path python/Cargo.toml
     # Of the tests' simulated chip the dependencies; the crate itself is under GPL-2.0-or-later.
     list --manifest-path verify/chip/Cargo.toml | grep -v '^fivebar-chip '

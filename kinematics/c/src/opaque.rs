@@ -6,8 +6,7 @@ use crate::status::Status;
 use core::mem::MaybeUninit;
 use fivebar_kinematics::{Scalar, five_bar};
 
-/// A struct of the header that holds a kinematics' type. Its fields are as many that they leave no padding, which C
-/// need not copy.
+/// A struct of the header that holds a kinematics' type.
 pub(crate) trait Opaque: Sized {
     /// What it holds.
     type Inner;

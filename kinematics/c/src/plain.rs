@@ -71,6 +71,7 @@ pub struct Offset<S> {
 #[repr(C)]
 pub struct Geometry<S> {
     fixed: [u64; 9],
+    // An even number: C sees no padding, which it need not copy.
     real: [S; 34],
 }
 
@@ -78,6 +79,7 @@ pub struct Geometry<S> {
 #[repr(C)]
 pub struct Tool<S> {
     fixed: [u64; 12],
+    // Even too.
     real: [S; 50],
 }
 
