@@ -11,21 +11,18 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-fn program<R: Real>(name: &str) -> PathBuf {
-    let source = format!("tests/{name}.c");
+/// Compiles a source for a precision. Tests run side by side: each has its own name for the program.
+fn program<R: Real>(source: &str, name: &str) -> PathBuf {
+    let source = format!("tests/{source}.c");
     let flags = ["-std=c99", R::FLAG];
-    compile(
-        "cc",
-        &flags,
-        &[Path::new(&source)],
-        &format!("{name}{}", R::FLAG),
-    )
+    let name = format!("{name}{}", R::FLAG);
+    compile("cc", &flags, &[Path::new(&source)], &name)
 }
 
 fn compare_bits<R: Real>() {
     let cases: Vec<Case<R>> = cases();
     let input = cases.iter().map(Case::line).collect::<Vec<_>>().join("\n");
-    let text = printed(&program::<R>("bits"), input);
+    let text = printed(&program::<R>("bits", "bits"), input);
     let mut lines = text.lines();
     let mut statuses = BTreeSet::new();
     let mut answers = 0;
@@ -59,14 +56,20 @@ fn double_precision_has_the_bits_of_rust() {
 
 #[test]
 fn null_pointers_wrong_sides_and_unprepared_arms_are_refused() {
-    for program in [program::<f32>("refusals"), program::<f64>("refusals")] {
+    for program in [
+        program::<f32>("refusals", "refusals"),
+        program::<f64>("refusals", "refusals"),
+    ] {
         assert_eq!(printed(&program, String::new()), "");
     }
 }
 
 #[test]
 fn no_function_has_code_that_panics() {
-    for program in [program::<f32>("bits"), program::<f64>("bits")] {
+    for program in [
+        program::<f32>("bits", "panics"),
+        program::<f64>("bits", "panics"),
+    ] {
         let output = Command::new("nm").arg(&program).output().unwrap();
         let symbols = String::from_utf8(output.stdout).unwrap();
         assert!(symbols.contains("fivebar_tool_jacobian"), "{symbols}");
