@@ -15,8 +15,9 @@
  * processor that computes by IEEE 754 and does not flush small numbers to zero.
  *
  * Each function writes its result through its last pointer and returns FIVEBAR_STATUS_OK, or it writes
- * nothing and returns why; "Refused:" names those reasons without FIVEBAR_STATUS_. A pointer is null, which
- * is refused, or points to a whole, aligned object that the other pointers of the call do not overlap.
+ * nothing and returns why. "Refused:" names the reasons without FIVEBAR_STATUS_; NULL_POINTER and NOT_PREPARED
+ * can always be one. A pointer is null, or points to a whole, aligned object that the other pointers of the call
+ * do not overlap.
  * No function allocates, panics, or has global state: any thread or interrupt may call at any time.
  */
 
