@@ -2,7 +2,7 @@
 
 use fivebar_design::Noise;
 use fivebar_design::synthesis::{
-    Area, Objective, Proof, Specification, Synthesis, prove, synthesise,
+    Area, Measure, Objective, Proof, Specification, Synthesis, Tolerance, prove, synthesise,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -16,6 +16,7 @@ fn leg(area: Area, dexterity: f64) -> Specification {
         area,
         dexterity,
         sine: 0.0,
+        tolerance: Tolerance::default(),
         objective: Objective::Size,
         front: 1,
         starts: 1,
@@ -232,4 +233,107 @@ fn a_regular_area_is_proved_and_a_touching_one_is_not() {
         [0.0, (0.26_f64.powi(2) - 0.0025).sqrt() - 0.1],
     );
     assert_ne!(touching, Proof::Proved);
+}
+
+/// Tolerances of a good workshop.
+const TOLERANCE: Tolerance = Tolerance {
+    length: 5e-5,
+    angle: 2e-4,
+};
+
+/// The best worst point over a ring, of coaxial arms on a grid of cranks, sums and inner radii, with the
+/// Jacobian of the kinematics. A ring about coaxial cranks is the same in all directions.
+fn best_on_a_grid(
+    k: f64,
+    width: f64,
+    most: f64,
+    merit: impl Fn(Vector2<f64>, &Geometry<f64>) -> Option<[f64; 2]>,
+) -> f64 {
+    let mut best = f64::NEG_INFINITY;
+    for sum in (20..=100).map(|i| most * f64::from(i) / 100.0) {
+        for crank in (30..=70).map(|i| sum * f64::from(i) / 100.0) {
+            let geometry = Geometry::new([crank, sum - crank, sum - crank, crank, 0.0]).unwrap();
+            let along: Vec<_> = (0..200)
+                .map(|i| merit(Vector2::new(0.0, sum * f64::from(i) / 200.0), &geometry))
+                .collect();
+            let span = (width / sum * 200.0).ceil() as usize;
+            for ring in along.windows(span + 1) {
+                let worst = ring.iter().try_fold(f64::INFINITY, |worst, at| {
+                    at.filter(|[dexterity, _]| *dexterity >= k)
+                        .map(|[_, merit]| worst.min(merit))
+                });
+                best = best.max(worst.unwrap_or(f64::NEG_INFINITY));
+            }
+        }
+    }
+    best
+}
+
+#[test]
+fn the_best_arms_by_torque_speed_and_stiffness_are_not_beaten_by_a_grid() {
+    let mode = WorkingMode::new(Side::Right, Side::Left);
+    let values = |c: Vector2<f64>, geometry: &Geometry<f64>| {
+        let pose = geometry.inverse(c, mode).ok()?;
+        let jacobian = geometry.jacobian(&pose).ok()?;
+        let matrix = jacobian.matrix();
+        let inverse = matrix.try_inverse()?;
+        let torque = matrix.column(0).norm().max(matrix.column(1).norm());
+        let speed = 1.0 / inverse.row(0).norm().max(inverse.row(1).norm());
+        let stiffness = jacobian.singular_values().map(|s| s.powi(-2));
+        Some((
+            jacobian.inverse_condition(),
+            [-torque, speed, stiffness[0].min(stiffness[1])],
+        ))
+    };
+    for (index, measure) in [Measure::Torque, Measure::Speed, Measure::Stiffness]
+        .into_iter()
+        .enumerate()
+    {
+        let answer = solve(&Specification {
+            objective: Objective::Measure(measure, 0.2),
+            ..leg(Area::Annulus, 0.4)
+        });
+        let best = answer.best;
+        let found = [
+            -best.measures.torque,
+            best.measures.speed,
+            best.measures.stiffness,
+        ][index];
+        let grid = best_on_a_grid(0.4, 0.2, 1.0, |c, geometry| {
+            let (dexterity, values) = values(c, geometry)?;
+            Some([dexterity, values[index]])
+        });
+        println!("{measure:?} {found} {grid} {best:?}");
+        // The grid's rings are wider by less than one of its steps, and some of its points are at the optimum.
+        assert!(
+            found >= grid - 1e-9 && found <= grid + 0.05 * grid.abs(),
+            "{measure:?}: {found}, {grid}"
+        );
+        assert!(
+            best.dexterity >= 0.4 && answer.whole.dexterity >= 0.4,
+            "{answer:?}"
+        );
+        assert_eq!(answer.proof, Proof::Proved);
+    }
+}
+
+#[test]
+fn an_arm_of_least_error_errs_less_than_the_shortest_one() {
+    let rectangle = |objective| {
+        solve(&Specification {
+            base: [0.04, 0.3],
+            link_sum: 0.4,
+            tolerance: TOLERANCE,
+            objective,
+            ..leg(Area::Rectangle { aspect: 1.5 }, 0.3)
+        })
+        .best
+    };
+    let shortest = rectangle(Objective::LinkSum(0.15));
+    let best = rectangle(Objective::Measure(Measure::Error, 0.15));
+    let [less, more] = [best, shortest].map(|design| design.measures.error);
+    assert!(
+        less < 0.8 * more && less > TOLERANCE.length,
+        "{less} {more}"
+    );
 }

@@ -4,7 +4,8 @@ use crate::{batch, error};
 use fivebar_design::synthesis::{Candidate, Found, Study as Described};
 use fivebar_files::design_spec;
 use fivebar_files::job::read as read_job;
-use fivebar_report::study::synthesis::{answer, known_searches, robot_file, searches_text};
+use fivebar_report::pages::synthesis_files;
+use fivebar_report::study::synthesis::{answer, known_searches, searches_text};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArrayDyn};
 use pyo3::exceptions::{PyIndexError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -111,8 +112,12 @@ impl Study {
         Ok(found.into_pyarray(py))
     }
 
-    /// The answer of `fivebar design` from the results of all searches, and the robot file that it would write.
-    fn finish(&self, py: Python<'_>, found: Vec<String>) -> PyResult<(String, String)> {
+    /// The answer of `fivebar design` from the results of all searches, and the files that it would write, by name.
+    fn finish(
+        &self,
+        py: Python<'_>,
+        found: Vec<String>,
+    ) -> PyResult<(String, Vec<(String, String)>)> {
         let found: Vec<Found> = found
             .iter()
             .map(|text| parsed(text))
@@ -125,9 +130,9 @@ impl Study {
         let whole = py.detach(|| self.study.finish(&found));
         let whole = whole.map_err(|refusal| error::study(py, refusal))?;
         let stem = Path::new(&self.file).file_stem().unwrap_or_default();
-        let robot = robot_file(&stem.to_string_lossy(), &whole.whole);
-        let robot = robot.map_err(|refusal| error::study(py, refusal))?;
-        Ok((answer(&whole).to_string(), robot))
+        let files = synthesis_files(&stem.to_string_lossy(), self.study.specification(), &whole);
+        let files = files.map_err(|refusal| error::study(py, refusal))?;
+        Ok((answer(&whole).to_string(), files))
     }
 
     /// The file of the searches that are done, as `fivebar design --out` keeps it.

@@ -21,6 +21,26 @@ pub(super) struct Condition {
     pub(super) sine: f64,
     /// The lesser |sin| of both elbows.
     pub(super) elbow_sine: f64,
+    /// The legs from A and from E.
+    pub(super) legs: [Leg; 2],
+}
+
+/// A leg of an arm at a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leg {
+    /// C from the leg's pivot, p.
+    pub(super) foot: Vector2<f64>,
+    /// The far link, v.
+    pub(super) far: Vector2<f64>,
+    /// h q, twice the area of the leg's triangle.
+    height: f64,
+}
+
+impl Condition {
+    /// The rows of J⁻¹.
+    pub(super) fn inverse_jacobian(&self) -> [Vector2<f64>; 2] {
+        self.legs.map(|leg| leg.far / leg.height)
+    }
 }
 
 /// The condition of the arm with C at `c`, or how far `c` is beyond the reach of a leg, as a share of
@@ -30,9 +50,9 @@ pub(super) fn condition(
     c: Vector2<f64>,
 ) -> Result<Condition, f64> {
     let [side1, side4] = ELBOWS_OUT;
-    let (v2, height1) = far_link([l1, l2], c, side1)?;
-    let (v3, height4) = far_link([l4, l3], c - Vector2::new(base, 0.0), side4)?;
-    let (row1, row4) = (v2 * height4, v3 * height1);
+    let leg1 = leg([l1, l2], c, side1)?;
+    let leg4 = leg([l4, l3], c - Vector2::new(base, 0.0), side4)?;
+    let (row1, row4) = (leg1.far * leg4.height, leg4.far * leg1.height);
     let squares = row1.norm_squared() + row4.norm_squared();
     let det = row1.cross_z(row4);
     let sum = (squares + 2.0 * det.abs()).sqrt();
@@ -40,13 +60,14 @@ pub(super) fn condition(
     let inverse = (sum - difference) / (sum + difference);
     Ok(Condition {
         dexterity: inverse * det.signum(),
-        sine: v2.cross_z(v3) / (l2 * l3),
-        elbow_sine: (height1 / (l1 * l2)).min(height4 / (l4 * l3)),
+        sine: leg1.far.cross_z(leg4.far) / (l2 * l3),
+        elbow_sine: (leg1.height / (l1 * l2)).min(leg4.height / (l4 * l3)),
+        legs: [leg1, leg4],
     })
 }
 
-/// The far link as a vector and h q, twice the area of the leg's triangle.
-fn far_link([near, far]: [f64; 2], p: Vector2<f64>, side: f64) -> Result<(Vector2<f64>, f64), f64> {
+/// The leg whose links are near and far [m], with C at `p` from its pivot.
+fn leg([near, far]: [f64; 2], p: Vector2<f64>, side: f64) -> Result<Leg, f64> {
     let q = p.norm_squared();
     let (sum, difference) = (near + far, near - far);
     let product = (sum * sum - q) * (q - difference * difference);
@@ -56,7 +77,11 @@ fn far_link([near, far]: [f64; 2], p: Vector2<f64>, side: f64) -> Result<(Vector
     }
     let height = 0.5 * product.sqrt();
     let along = 0.5 * (1.0 - sum * difference / q);
-    Ok((p * along - p.perpendicular() * (side * height / q), height))
+    Ok(Leg {
+        foot: p,
+        far: p * along - p.perpendicular() * (side * height / q),
+        height,
+    })
 }
 
 #[cfg(test)]

@@ -7,19 +7,22 @@
 //!
 //! A design is a base, the shares of its links and a place of the area. For these the size of the area,
 //! or the sum of the links, follows by bisection, because smaller areas at the same place lie in larger
-//! ones; differential evolution searches the rest. The samples of the search prove nothing:
+//! ones; differential evolution searches the rest. Where a measure of the tip is sought, it searches the
+//! sum too. The samples of the search prove nothing:
 //! [`Synthesis::proof`] is by interval arithmetic.
 
 mod area;
 mod condition;
 mod evolution;
 mod interval;
+mod measure;
 mod problem;
 mod proof;
 mod study;
 mod whole;
 
 pub use area::Area;
+pub use measure::{Measure, Measures, Tolerance};
 pub use proof::Proof;
 pub use study::{Candidate, Found, Study};
 
@@ -42,6 +45,8 @@ pub struct Specification {
     pub dexterity: f64,
     /// Least |sin| of the angles at the elbows and at C in the area.
     pub sine: f64,
+    /// The errors of the arm, for the error of its tip.
+    pub tolerance: Tolerance,
     /// What is sought.
     pub objective: Objective,
     /// Designs of the front, the best being the first; the others have more dexterity.
@@ -60,6 +65,8 @@ pub enum Objective {
     LinkSum(f64),
     /// The greatest 1/κ in an area of this size [m].
     Dexterity(f64),
+    /// The best worst point of an area of this size [m] by a measure of the tip.
+    Measure(Measure, f64),
 }
 
 /// An arm with its work area.
@@ -73,6 +80,8 @@ pub struct Design {
     pub place: [f64; 2],
     /// The least 1/κ found in the area.
     pub dexterity: f64,
+    /// What the tip can at the worst point of the area for each.
+    pub measures: Measures,
 }
 
 impl Design {

@@ -3,6 +3,7 @@
 use super::area::{Density, Placed, Samples};
 use super::condition::condition;
 use super::evolution::maximise;
+use super::measure::{Measure, Measures};
 use super::proof::{self, Proof};
 use super::{Area, Design, Objective, Specification, study};
 use nalgebra::Vector2;
@@ -45,6 +46,8 @@ pub(super) struct Worst {
     pub(super) margin: f64,
     /// 1/κ; negative where the arm changes its assembly mode or does not reach.
     pub(super) dexterity: f64,
+    /// Of the measure that is sought ([`Measure::merit`]).
+    pub(super) merit: f64,
 }
 
 impl Worst {
@@ -52,12 +55,14 @@ impl Worst {
     const NONE: Self = Self {
         margin: f64::INFINITY,
         dexterity: f64::INFINITY,
+        merit: f64::INFINITY,
     };
 
     fn and(self, other: Self) -> Self {
         Self {
             margin: self.margin.min(other.margin),
             dexterity: self.dexterity.min(other.dexterity),
+            merit: self.merit.min(other.merit),
         }
     }
 }
@@ -70,6 +75,8 @@ struct Candidate {
     cranks: [f64; 2],
     /// The legs' sums by the longer one.
     legs: [f64; 2],
+    /// The longer leg's sum by the greatest one allowed.
+    sum: f64,
     /// The place by the longer leg's sum.
     place: [f64; 2],
 }
@@ -109,7 +116,8 @@ impl<'a> Problem<'a> {
         seed: u64,
         record: &mut dyn FnMut(&[study::Candidate]),
     ) -> (f64, Option<Design>) {
-        let dimensions = if self.specification.symmetric { 3 } else { 6 };
+        let legs = if self.specification.symmetric { 3 } else { 6 };
+        let dimensions = legs + usize::from(self.measure().is_some());
         let score =
             |point: &[f64], density, floor| self.scale(&self.candidate(point), density, floor).0;
         let (near, _) = maximise(
@@ -180,7 +188,9 @@ impl<'a> Problem<'a> {
         match self.specification.objective {
             Objective::Size => (self.longest(candidate.base), score),
             Objective::LinkSum(size) => (-score - half_base, size),
-            Objective::Dexterity(size) => (self.longest(candidate.base), size),
+            Objective::Dexterity(size) | Objective::Measure(_, size) => {
+                (candidate.sum * self.longest(candidate.base), size)
+            }
         }
     }
 
@@ -188,7 +198,9 @@ impl<'a> Problem<'a> {
     fn longest(&self, base: f64) -> f64 {
         let ample = match self.specification.objective {
             Objective::Size => f64::INFINITY,
-            Objective::LinkSum(size) | Objective::Dexterity(size) => AMPLE * (size + base),
+            Objective::LinkSum(size) | Objective::Dexterity(size) | Objective::Measure(_, size) => {
+                AMPLE * (size + base)
+            }
         };
         self.specification.link_sum.min(ample) - 0.5 * base
     }
@@ -201,10 +213,26 @@ impl<'a> Problem<'a> {
             size,
             place,
             dexterity: self.worst(lengths, placed, Density::Check).dexterity,
+            measures: Measures::of_merits(Measure::ALL.map(|measure| {
+                let worst = self.worst_by(Some(measure), lengths, placed, Density::Check);
+                worst.merit
+            })),
+        }
+    }
+
+    /// The measure that is sought, if it is one.
+    fn measure(&self) -> Option<Measure> {
+        match self.specification.objective {
+            Objective::Measure(measure, _) => Some(measure),
+            _ => None,
         }
     }
 
     fn candidate(&self, point: &[f64]) -> Candidate {
+        let (sum, point) = match (self.measure(), point.split_last()) {
+            (Some(_), Some((&sum, point))) => (sum, point),
+            _ => (1.0, point),
+        };
         let [low, high] = self.specification.base;
         let crank = |x: f64| 1.0 - LONGEST_SHARE + x * (2.0 * LONGEST_SHARE - 1.0);
         let base = low + point[0] * (high - low);
@@ -214,6 +242,7 @@ impl<'a> Problem<'a> {
                 base,
                 cranks: [crank(point[1]); 2],
                 legs: [1.0; 2],
+                sum,
                 place,
             };
         };
@@ -222,6 +251,7 @@ impl<'a> Problem<'a> {
             base,
             cranks: [crank(point[1]), crank(crank4)],
             legs: [(1.0 / ratio).min(1.0), ratio.min(1.0)],
+            sum,
             place,
         }
     }
@@ -252,7 +282,7 @@ impl<'a> Problem<'a> {
             self.worst(candidate.lengths(sum), Placed { size, place }, density)
                 .margin
         };
-        let most = self.longest(candidate.base);
+        let most = candidate.sum * self.longest(candidate.base);
         if most <= 0.0 {
             return (NOT_MET - 1.0 + most, None);
         }
@@ -278,6 +308,15 @@ impl<'a> Problem<'a> {
                 margin if margin >= 0.0 => (margin, Some((most, size))),
                 margin => (NOT_MET + margin, None),
             },
+            Objective::Measure(_, size) => {
+                let place = candidate.place(most);
+                let placed = Placed { size, place };
+                let worst = self.worst(candidate.lengths(most), placed, density);
+                match worst.margin >= 0.0 {
+                    true => (worst.merit, Some((most, size))),
+                    false => (NOT_MET + worst.margin, None),
+                }
+            }
         }
     }
 
@@ -307,6 +346,17 @@ impl<'a> Problem<'a> {
     /// The least of what is required over the area's samples. The arm stays in one assembly mode: that
     /// in which it meets more.
     pub(super) fn worst(&self, lengths: [f64; 5], area: Placed, density: Density) -> Worst {
+        self.worst_by(self.measure(), lengths, area, density)
+    }
+
+    /// As [`Problem::worst`], with this measure in place of the one that is sought.
+    fn worst_by(
+        &self,
+        measure: Option<Measure>,
+        lengths: [f64; 5],
+        area: Placed,
+        density: Density,
+    ) -> Worst {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let samples = match density {
             Density::Search => &self.search,
@@ -319,8 +369,10 @@ impl<'a> Problem<'a> {
             };
         let base = lengths[4];
         let middle = Vector2::new(0.5 * base, 0.0);
+        let tolerance = self.specification.tolerance;
         let at = |sample: [f64; 2]| match condition(lengths, middle + samples.at(sample, area)) {
             Ok(here) => [1.0, -1.0].map(|sign| {
+                let merit = measure.map(|measure| measure.merit(&here, tolerance));
                 let dexterity = sign * here.dexterity;
                 let sine = (sign * here.sine).min(here.elbow_sine);
                 let by_sine = match self.specification.sine {
@@ -328,30 +380,44 @@ impl<'a> Problem<'a> {
                     least => sine - least,
                 };
                 let margin = (dexterity - required).min(by_sine);
-                Worst { margin, dexterity }
+                Worst {
+                    margin,
+                    dexterity,
+                    merit: merit.unwrap_or(f64::INFINITY),
+                }
             }),
             Err(beyond) => {
                 [Worst {
                     margin: -required.max(self.specification.sine) - beyond,
                     dexterity: -beyond,
+                    merit: f64::NEG_INFINITY,
                 }; 2]
             }
         };
-        let mut worst = [([0.0; 2], Worst::NONE); 2];
+        // Where the margin is the least, and where the merit is.
+        let mut worst = [([[0.0; 2]; 2], Worst::NONE); 2];
         for &sample in samples.points(base) {
-            for ((place, worst), here) in worst.iter_mut().zip(at(sample)) {
+            for ((places, worst), here) in worst.iter_mut().zip(at(sample)) {
                 if here.margin < worst.margin {
-                    *place = sample;
+                    places[0] = sample;
+                }
+                if here.merit < worst.merit {
+                    places[1] = sample;
                 }
                 *worst = worst.and(here);
             }
         }
         let mode = usize::from(worst[0].1.margin < worst[1].1.margin);
-        let (place, worst) = worst[mode];
+        let (places, worst) = worst[mode];
         if worst.margin < 0.0 {
             return worst;
         }
-        let lowest = samples.lowest_near(place, |sample| at(sample)[mode].margin);
+        let lowest = samples.lowest_near(places[0], |sample| at(sample)[mode].margin);
+        let worst = worst.and(at(lowest)[mode]);
+        if measure.is_none() {
+            return worst;
+        }
+        let lowest = samples.lowest_near(places[1], |sample| at(sample)[mode].merit);
         worst.and(at(lowest)[mode])
     }
 

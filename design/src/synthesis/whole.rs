@@ -79,11 +79,15 @@ impl Problem<'_> {
         let place = |point: &[f64]| self.place(point).map(|share| share * sum);
         let score = |place, density, floor| match self.specification.objective {
             Objective::Size => self.largest(lengths, place, density, floor),
-            Objective::LinkSum(size) | Objective::Dexterity(size) => {
-                let margin = self.worst(lengths, Placed { size, place }, density).margin;
-                match margin >= 0.0 {
-                    true => (margin, Some(size)),
-                    false => (NOT_MET + margin, None),
+            Objective::LinkSum(size) | Objective::Dexterity(size) | Objective::Measure(_, size) => {
+                let worst = self.worst(lengths, Placed { size, place }, density);
+                let merit = match self.specification.objective {
+                    Objective::Measure(..) => worst.merit,
+                    _ => worst.margin,
+                };
+                match worst.margin >= 0.0 {
+                    true => (merit, Some(size)),
+                    false => (NOT_MET + worst.margin, None),
                 }
             }
         };

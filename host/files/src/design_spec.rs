@@ -3,7 +3,7 @@
 use super::job::{Action, Job, Placement, read as read_job};
 use super::source::{FileError, Key, Refusals, Source};
 use super::text_file::{LARGEST_TOML, read_text};
-use fivebar_design::synthesis::{Area, Objective, Specification};
+use fivebar_design::synthesis::{Area, Measure, Objective, Specification, Tolerance};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -25,6 +25,7 @@ struct SpecFile {
     link_sum: Option<f64>,
     area: AreaFile,
     require: RequireFile,
+    tolerance: Option<ToleranceFile>,
     objective: ObjectiveFile,
 }
 
@@ -60,6 +61,13 @@ struct RequireFile {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct ToleranceFile {
+    length: f64,
+    angle: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct ObjectiveFile {
     maximise: Option<Maximise>,
     minimise: Option<Minimise>,
@@ -78,12 +86,16 @@ fn one() -> usize {
 enum Maximise {
     Size,
     Dexterity,
+    Speed,
+    Stiffness,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Minimise {
     LinkSum,
+    Torque,
+    Error,
 }
 
 /// Reads a specification. A drawing is looked for beside it.
@@ -172,20 +184,25 @@ pub fn parse_with(
         let reason = format!("must be 1 to {MOST_STARTS} searches, not {starts}");
         refusals.add(source.refuse(Key::In("objective", "starts"), reason));
     }
+    let tolerance = refusals.noted(tolerance(&source, &spec));
     let area = refusals.noted(area(&source, &spec.area, is_sought, read_drawing));
     let (objective, other) = (&spec.objective.maximise, &spec.objective.minimise);
     let one_objective = objective.is_some() != other.is_some();
     if !one_objective {
-        let reason = "must be given, or `minimise` in place of it: \"size\" or \"dexterity\", or the \
-                      least \"link_sum\"";
+        let reason = "must be given, or `minimise` in place of it: \"size\", \"dexterity\", \"speed\" or \
+                      \"stiffness\", or the least \"link_sum\", \"torque\" or \"error\"";
         refusals.add(source.refuse(Key::In("objective", "maximise"), reason));
     }
     refusals.done()?;
     let (area, size) = area?;
-    let objective = match objective {
-        Some(Maximise::Size) => Objective::Size,
-        Some(Maximise::Dexterity) => Objective::Dexterity(size),
-        None => Objective::LinkSum(size),
+    let objective = match (objective, other) {
+        (Some(Maximise::Size), _) => Objective::Size,
+        (Some(Maximise::Dexterity), _) => Objective::Dexterity(size),
+        (Some(Maximise::Speed), _) => Objective::Measure(Measure::Speed, size),
+        (Some(Maximise::Stiffness), _) => Objective::Measure(Measure::Stiffness, size),
+        (None, Some(Minimise::Torque)) => Objective::Measure(Measure::Torque, size),
+        (None, Some(Minimise::Error)) => Objective::Measure(Measure::Error, size),
+        (None, Some(Minimise::LinkSum) | None) => Objective::LinkSum(size),
     };
     Ok(Specification {
         symmetric: spec.symmetric,
@@ -194,10 +211,35 @@ pub fn parse_with(
         area,
         dexterity: spec.require.dexterity,
         sine: spec.require.sine,
+        tolerance: tolerance?,
         objective,
         front,
         starts,
     })
+}
+
+/// The stated errors; none are 0.
+fn tolerance(source: &Source<'_>, spec: &SpecFile) -> Result<Tolerance, FileError> {
+    let Some(ToleranceFile { length, angle }) = spec.tolerance else {
+        if matches!(spec.objective.minimise, Some(Minimise::Error)) {
+            let reason = "is \"error\", which needs [tolerance] with the standard deviations `length`, in metres, and \
+                          `angle`, in radians";
+            return Err(source.refuse(Key::In("objective", "minimise"), reason));
+        }
+        return Ok(Tolerance::default());
+    };
+    for (key, value, most) in [("length", length, 0.01), ("angle", angle, 0.1)] {
+        if !(0.0..=most).contains(&value) {
+            let unit = if key == "angle" { "rad" } else { "m" };
+            let reason = format!("must be 0 to {most:?} {unit}, not {value:?}");
+            return Err(source.refuse(Key::In("tolerance", key), reason));
+        }
+    }
+    if length + angle == 0.0 {
+        let reason = "must not be 0 together with `angle`: give the error of at least one";
+        return Err(source.refuse(Key::In("tolerance", "length"), reason));
+    }
+    Ok(Tolerance { length, angle })
 }
 
 /// The area and its size [m], which means nothing where the size is sought.

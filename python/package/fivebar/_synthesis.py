@@ -27,7 +27,8 @@ class Design:
     """An arm for a wanted work area."""
 
     #: The figures of ``fivebar design --json``: best {link_lengths [5], size, link_sum,
-    #: dexterity, place [x, y]}, whole_millimetres (the same keys), front, sensitivity_per_m,
+    #: dexterity, place [x, y], torque_per_force, speed_per_rate, stiffness_per_drive, error},
+    #: whole_millimetres (the same keys), front, sensitivity_per_m,
     #: evaluations, proved, unproved_at, whole_proved. Lengths in metres.
     figures: Dict[str, Any]
     #: The robot file with lengths in whole millimetres, for :meth:`fivebar.Arm.from_toml`.
@@ -52,7 +53,7 @@ def design(
     client: a ``dask.distributed.Client``, whose workers then do the searches: the answer has the
     same bits for any number of workers. out: a folder; each search that is done is kept in its
     ``searches.json``, as by ``fivebar design --out``, and a study that was stopped goes on from
-    there; ``best.toml`` is the robot file. candidates: a folder for the candidates that meet the
+    there; ``report.html``, ``best.toml`` and the front's robot files are as the command writes them. candidates: a folder for the candidates that meet the
     requirements, a parquet file for each search (needs ``pyarrow``); only searches that are done now
     write theirs. progress: receives the number of searches that are done, and of all.
 
@@ -85,10 +86,12 @@ def design(
             _write_whole(Path(out) / "searches.json", study.kept(found))
         if progress is not None:
             progress(sum(result is not None for result in found), len(found))
-    figures, robot = study.finish([result for result in found if result is not None])
+    figures, files = study.finish([result for result in found if result is not None])
     if out is not None:
-        _write_whole(Path(out) / "best.toml", robot)
-    return Design(json.loads(figures), robot)
+        # The page last: it stands beside files of its own study only.
+        for name, text in reversed(files):
+            _write_whole(Path(out) / name, text)
+    return Design(json.loads(figures), dict(files)["best.toml"])
 
 
 def dexterities(specification: Source, arms: ArrayLike) -> Floats:

@@ -5,6 +5,7 @@ use super::say::{hint, print, say};
 use fivebar_design::synthesis::{Study, Synthesis, SynthesisError};
 use fivebar_files::design_spec;
 use fivebar_report::output::{OutputFolder, write_whole};
+use fivebar_report::pages::synthesis_files;
 use fivebar_report::study::synthesis::{self, SEARCHES, known_searches, searches_text};
 use fivebar_report::text;
 use std::fs;
@@ -15,14 +16,16 @@ use std::sync::Mutex;
 /// Searches the lengths of an arm for a wanted work area.
 ///
 /// The specification names the shape of the area, the least dexterity 1/κ in it, limits of the base and
-/// of the links' sum, and what is sought: the largest area, or the shortest arm. docs/design/synthesis.md
+/// of the links' sum, and what is sought: the largest area, the shortest arm,
+/// the least torque or error, the greatest dexterity, speed or stiffness. docs/design/synthesis.md
 /// describes it. That the area has no singularity is proved by interval arithmetic.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// What is wanted of the arm.
     #[arg(value_name = "SPEC.toml")]
     specification: PathBuf,
-    /// Also write DIR/best.toml, a robot file with lengths in whole millimetres. Each search that is done is kept in
+    /// Also write DIR/report.html with the arms and their front, DIR/best.toml, a robot file with lengths in whole
+    /// millimetres, and DIR/front-2.toml and so on. Each search that is done is kept in
     /// DIR/searches.json: the same command goes on from there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -44,9 +47,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(|error| refused(format_args!("{}: {error}", args.specification.display())))?;
     if let Some(folder) = &folder {
         let stem = args.specification.file_stem().unwrap_or_default();
-        let robot = synthesis::robot_file(&stem.to_string_lossy(), &found.whole);
-        let robot = robot.map_err(refused)?;
-        folder.write(&[("best.toml", &robot)]).map_err(refused)?;
+        let files = synthesis_files(&stem.to_string_lossy(), &specification, &found);
+        let files = files.map_err(refused)?;
+        let files: Vec<(&str, &dyn AsRef<[u8]>)> = files
+            .iter()
+            .map(|(name, text)| (&**name, text as _))
+            .collect();
+        folder.write(&files).map_err(refused)?;
     }
     if args.json {
         let mut answer = synthesis::answer(&found);
@@ -58,8 +65,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     print(text::synthesis(&found))?;
     match &folder {
         Some(folder) => say(format_args!(
-            "wrote {}",
-            folder.path().join("best.toml").display()
+            "wrote report.html, best.toml and the arms of the front to {}",
+            folder.path().display()
         )),
         None => Ok(()),
     }

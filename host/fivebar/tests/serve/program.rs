@@ -225,7 +225,7 @@ impl Page {
 
     /// The next message for which `wanted` returns a value.
     pub(crate) fn wait<T>(&mut self, what: &str, wanted: impl Fn(&Value) -> Option<T>) -> T {
-        let deadline = Instant::now() + Duration::from_secs(60);
+        let deadline = Instant::now() + Duration::from_secs(180);
         let mut last = [Value::Null, Value::Null];
         while Instant::now() < deadline {
             let Some(message) = self.next() else { continue };

@@ -9,6 +9,7 @@ mod margins;
 mod mobility;
 mod plan;
 mod run;
+mod synthesis;
 
 pub use board_test::board_test;
 pub use clearance::clearance;
@@ -18,3 +19,4 @@ pub use margins::margins;
 pub use mobility::mobility;
 pub use plan::plan;
 pub use run::RunReport;
+pub use synthesis::synthesis_files;

@@ -4,6 +4,7 @@
 mod arm;
 mod axes;
 mod bands;
+mod designs;
 mod legend;
 mod photo;
 mod plate;
@@ -12,6 +13,7 @@ mod png;
 mod tip_error;
 mod validation;
 
+pub(crate) use designs::designs;
 pub use photo::drawing_errors;
 pub use plate::plate;
 #[cfg(feature = "png")]

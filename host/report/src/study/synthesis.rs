@@ -24,12 +24,17 @@ pub fn answer(synthesis: &Synthesis) -> Value {
 }
 
 fn design(design: &Design) -> Value {
+    let measures = design.measures;
     json!({
         "link_lengths": design.lengths,
         "size": design.size,
         "link_sum": design.link_sum(),
         "dexterity": design.dexterity,
         "place": design.place,
+        "torque_per_force": measures.torque,
+        "speed_per_rate": measures.speed,
+        "stiffness_per_drive": measures.stiffness,
+        "error": (measures.error > 0.0).then_some(measures.error),
     })
 }
 

@@ -20,5 +20,6 @@ pub use mobility::explain;
 pub(crate) use mobility::steps;
 pub use photo::photo;
 pub use quantity::quantity;
+pub(crate) use synthesis::proof_sentence;
 pub use synthesis::synthesis;
 pub use workspace::workspace;

@@ -1,5 +1,6 @@
 //! A synthesis as text.
 
+use super::quantity;
 use fivebar_design::synthesis::{Design, Proof, Synthesis};
 use std::fmt::Write as _;
 
@@ -13,6 +14,23 @@ pub fn synthesis(synthesis: &Synthesis) -> String {
     for (index, design) in synthesis.front.iter().enumerate().skip(1) {
         row(&mut text, &format!("front {}", index + 1), design);
     }
+    text.push_str(
+        "at the worst point  torque for 1 N  speed at 1 rad/s  stiffness at 1 N·m/rad  RMS error\n",
+    );
+    for (name, design) in [("best", &synthesis.best), ("whole mm", &synthesis.whole)] {
+        let measures = design.measures;
+        let error = match measures.error {
+            0.0 => "no tolerance given".to_owned(),
+            error => quantity(error, "m"),
+        };
+        let _ = writeln!(
+            text,
+            "{name:<18}  {:>14}  {:>16}  {:>22}  {error}",
+            quantity(measures.torque, "N·m"),
+            quantity(measures.speed, "m/s"),
+            quantity(measures.stiffness, "N/m"),
+        );
+    }
     let per_mm = synthesis.sensitivity.map(|loss| 1e-3 * loss);
     let _ = write!(text, "loss of 1/κ per mm");
     for loss in per_mm {
@@ -24,26 +42,30 @@ pub fn synthesis(synthesis: &Synthesis) -> String {
         synthesis.evaluations
     );
     for (what, proof) in [
-        ("best", synthesis.proof),
-        ("whole mm", synthesis.whole_proof),
+        ("best:", synthesis.proof),
+        ("whole mm:", synthesis.whole_proof),
     ] {
-        let _ = match proof {
-            Proof::Proved => writeln!(text, "{what}: proved free of singularities in its area"),
-            Proof::Refuted([x, y]) => writeln!(
-                text,
-                "{what}: singular in its area, near ({:.3}, {:.3}) mm from the middle of the base",
-                1e3 * x,
-                1e3 * y
-            ),
-            Proof::Undecided([x, y]) => writeln!(
-                text,
-                "{what}: not proved free of singularities near ({:.3}, {:.3}) mm from the middle of the base",
-                1e3 * x,
-                1e3 * y
-            ),
-        };
+        let _ = writeln!(text, "{}", proof_sentence(what, proof));
     }
     text
+}
+
+/// Whether `what` is proved.
+pub(crate) fn proof_sentence(what: &str, proof: Proof) -> String {
+    let near = |[x, y]: [f64; 2]| {
+        format!(
+            "near ({:.3}, {:.3}) mm from the middle of the base",
+            1e3 * x,
+            1e3 * y
+        )
+    };
+    match proof {
+        Proof::Proved => format!("{what} proved free of singularities in its area"),
+        Proof::Refuted(place) => format!("{what} singular in its area, {}", near(place)),
+        Proof::Undecided(place) => {
+            format!("{what} not proved free of singularities {}", near(place))
+        }
+    }
 }
 
 fn row(text: &mut String, name: &str, design: &Design) {
