@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tests the Python package as its users install it: with `pip install` from the checkout into a
-# fresh virtual environment. Then it runs the package's tests, type checks, example and benchmark, and compares a
+# fresh virtual environment. Then it runs the package's tests, type checks, examples and benchmark, and compares a
 # front of `fivebar design` with that of pymoo, from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -26,9 +26,11 @@ out=$built/python-example
 mkdir -p "$out"
 
 (cd python && "$python" -m pytest --quiet)
-(cd python && "$python" -m mypy --cache-dir "$built/mypy" package/fivebar examples/tour.py)
+(cd python && "$python" -m mypy --cache-dir "$built/mypy" package/fivebar examples)
 (cd "$out" && "$python" -m mypy.stubtest --concise --ignore-disjoint-bases fivebar._native)
-(cd "$out" && "$python" "$root/python/examples/tour.py")
+for example in "$root"/python/examples/*.py; do
+    (cd "$out" && "$python" "$example")
+done
 "$python" python/benches/inverse.py
 # A small front beside that of another optimiser.
 "$python" tests/peers/front.py --front 3 --seeds 1 --cases 1

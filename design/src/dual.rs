@@ -1,7 +1,7 @@
-//! Dual numbers: a value with one derivative, for automatic differentiation.
+//! Dual numbers: a value with one derivative, or with second ones, for automatic differentiation.
 
 use fivebar_kinematics::Scalar;
-use num_dual::{Dual64, DualNum};
+use num_dual::{Dual64, DualNum, HyperDual64};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -48,32 +48,11 @@ impl Dual {
     pub fn derivative(self) -> f64 {
         self.0.eps
     }
-}
 
-impl Scalar for Dual {
-    const ZERO: Self = const_dual(0.0);
-    const ONE: Self = const_dual(1.0);
-    const HALF: Self = const_dual(0.5);
-    const TWO: Self = const_dual(2.0);
-    const EPSILON: Self = const_dual(f64::EPSILON);
-
-    fn from_f64(value: f64) -> Self {
-        Self::constant(value)
-    }
-    fn to_f64(self) -> f64 {
-        self.value()
-    }
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-    fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.0.sin_cos();
-        (Self(sin), Self(cos))
-    }
     /// d atan2(y, x) = (x dy − y dx)/(x² + y²). This is finite at x = 0; num-dual
     /// differentiates the quotient y/x, which is infinite there.
-    fn atan2(self, x: Self) -> Self {
-        let (y, x) = (self.0, x.0);
+    fn angle(x: Self, y: Self) -> Self {
+        let (y, x) = (y.0, x.0);
         let norm_squared = y.re * y.re + x.re * x.re;
         Self::new(
             y.re.atan2(x.re),
@@ -82,46 +61,126 @@ impl Scalar for Dual {
     }
 }
 
-/// [`Dual::constant`] for constant expressions.
-const fn const_dual(value: f64) -> Dual {
-    Dual(Dual64 {
-        re: value,
-        eps: 0.0,
-    })
-}
+/// A value with its derivatives by two variables and the second derivative by both: a [`Scalar`] for Hessians.
+///
+/// ```
+/// use fivebar_design::HyperDual;
+///
+/// // ∂²(x y²)/∂x∂y = 2 y.
+/// let (x, y) = (HyperDual::new(3.0, [1.0, 0.0]), HyperDual::new(5.0, [0.0, 1.0]));
+/// assert_eq!((x * y * y).second(), 10.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct HyperDual(HyperDual64);
 
-impl Neg for Dual {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self(-self.0)
+impl HyperDual {
+    /// A number with its derivatives by both variables, linear in these.
+    pub fn new(value: f64, [first, second]: [f64; 2]) -> Self {
+        Self(HyperDual64::new(value, first, second, 0.0))
+    }
+
+    /// The value.
+    pub fn value(self) -> f64 {
+        self.0.re
+    }
+
+    /// The derivatives by the first and by the second variable.
+    pub fn first(self) -> [f64; 2] {
+        [self.0.eps1, self.0.eps2]
+    }
+
+    /// The derivative by both variables, the second one if both are the same.
+    pub fn second(self) -> f64 {
+        self.0.eps1eps2
+    }
+
+    /// The angle of the vector's value, and the arctangent of the vector turned back by it, whose quotient is
+    /// 0: finite at x = 0, too.
+    fn angle(x: Self, y: Self) -> Self {
+        let (angle, length) = (y.0.re.atan2(x.0.re), y.0.re.hypot(x.0.re));
+        let (sin, cos) = (Self::of(y.0.re / length), Self::of(x.0.re / length));
+        let quotient = (y * cos - x * sin) / (x * cos + y * sin);
+        let turned = quotient.0.atan();
+        Self(HyperDual64 {
+            re: angle,
+            ..turned
+        })
     }
 }
 
-impl Zero for Dual {
-    fn zero() -> Self {
-        Self::ZERO
-    }
-    /// The derivative must be 0 too: a variable with the value 0 is different from the constant 0.
-    fn is_zero(&self) -> bool {
-        self.value() == 0.0 && self.derivative() == 0.0
-    }
-}
+/// What both types have of num-dual: its arithmetic, roots, sines and cosines.
+macro_rules! number_of_num_dual {
+    ($number:ident, $inner:ident { $($part:ident),* }) => {
+        impl $number {
+            /// [`Scalar::from_f64`] for constant expressions.
+            const fn of(value: f64) -> Self {
+                Self($inner { re: value, $($part: 0.0),* })
+            }
+        }
 
-impl One for Dual {
-    fn one() -> Self {
-        Self::ONE
-    }
-}
+        impl Scalar for $number {
+            const ZERO: Self = Self::of(0.0);
+            const ONE: Self = Self::of(1.0);
+            const HALF: Self = Self::of(0.5);
+            const TWO: Self = Self::of(2.0);
+            const EPSILON: Self = Self::of(f64::EPSILON);
 
-macro_rules! forward_to_num_dual {
-    ($($operation:ident $method:ident $assigning:ident $assign:ident),*) => {$(
-        impl $operation for Dual {
+            fn from_f64(value: f64) -> Self {
+                Self::of(value)
+            }
+            fn to_f64(self) -> f64 {
+                self.0.re
+            }
+            fn sqrt(self) -> Self {
+                Self(self.0.sqrt())
+            }
+            fn sin_cos(self) -> (Self, Self) {
+                let (sin, cos) = self.0.sin_cos();
+                (Self(sin), Self(cos))
+            }
+            fn atan2(self, x: Self) -> Self {
+                Self::angle(x, self)
+            }
+        }
+
+        impl Neg for $number {
+            type Output = Self;
+            fn neg(self) -> Self {
+                Self(-self.0)
+            }
+        }
+
+        impl Zero for $number {
+            fn zero() -> Self {
+                Self::ZERO
+            }
+            /// The derivatives must be 0 too: a variable with the value 0 is different from the constant 0.
+            fn is_zero(&self) -> bool {
+                *self == Self::ZERO
+            }
+        }
+
+        impl One for $number {
+            fn one() -> Self {
+                Self::ONE
+            }
+        }
+
+        number_of_num_dual!(@operations $number:
+            Add add AddAssign add_assign,
+            Sub sub SubAssign sub_assign,
+            Mul mul MulAssign mul_assign,
+            Div div DivAssign div_assign
+        );
+    };
+    (@operations $number:ident: $($operation:ident $method:ident $assigning:ident $assign:ident),*) => {$(
+        impl $operation for $number {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
                 Self(self.0.$method(other.0))
             }
         }
-        impl $assigning for Dual {
+        impl $assigning for $number {
             fn $assign(&mut self, other: Self) {
                 *self = self.$method(other);
             }
@@ -129,16 +188,19 @@ macro_rules! forward_to_num_dual {
     )*};
 }
 
-forward_to_num_dual!(
-    Add add AddAssign add_assign,
-    Sub sub SubAssign sub_assign,
-    Mul mul MulAssign mul_assign,
-    Div div DivAssign div_assign
+number_of_num_dual!(Dual, Dual64 { eps });
+number_of_num_dual!(
+    HyperDual,
+    HyperDual64 {
+        eps1,
+        eps2,
+        eps1eps2
+    }
 );
 
 #[cfg(test)]
 mod tests {
-    use super::Dual;
+    use super::{Dual, HyperDual};
     use fivebar_kinematics::Scalar;
     use fivebar_kinematics::five_bar::{Geometry, Side};
 
@@ -168,5 +230,27 @@ mod tests {
         assert_eq!(exact.value(), c_x(0.15));
         assert!(exact.derivative().abs() > 0.1);
         assert!((exact.derivative() - difference).abs() < 1e-8 * exact.derivative().abs());
+    }
+
+    #[test]
+    fn second_derivatives_of_an_angle_are_those_of_the_closed_form_also_upright() {
+        for [x, y] in [[0.3, 0.4], [0.0, 2.0], [-1.5, -0.2], [0.0, -0.5]] {
+            let (q, both) = (x * x + y * y, [[1.0, 0.0], [0.0, 1.0]]);
+            let by = |i: usize, j: usize| {
+                let [dx, dy] = [0, 1].map(|axis| [both[i][axis], both[j][axis]]);
+                HyperDual::new(y, dy).atan2(HyperDual::new(x, dx)).second()
+            };
+            let q2 = q * q;
+            for (found, expected) in [
+                (by(0, 0), 2.0 * x * y / q2),
+                (by(1, 1), -2.0 * x * y / q2),
+                (by(0, 1), (y * y - x * x) / q2),
+            ] {
+                assert!(
+                    (found - expected).abs() < 1e-13 / q,
+                    "{x} {y}: {found} {expected}"
+                );
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod calibration;
 pub mod crossing;
+pub mod derivatives;
 mod dual;
 mod fit;
 pub mod identification;
@@ -17,5 +18,5 @@ pub mod synthesis;
 pub mod time_optimal;
 pub mod workspace;
 
-pub use dual::Dual;
+pub use dual::{Dual, HyperDual};
 pub use noise::Noise;

@@ -3,8 +3,9 @@
 use crate::batch::{Answer, common, rows, solve};
 use crate::error;
 use crate::motion::Motion;
-use crate::positions::{Numbers, Signs};
+use crate::positions::{self, Numbers, Signs};
 use crate::robot::Robot;
+use fivebar_design::derivatives::{QUANTITIES, State, VARIABLES, derivatives as derivatives_of};
 use fivebar_kinematics::dynamics::Arm;
 use nalgebra::Vector2;
 use pyo3::prelude::*;
@@ -78,6 +79,43 @@ pub(crate) fn forward_dynamics<'py>(
         let velocities = robot.geometry().forward_velocities(&pose, omega1, omega4)?;
         let force = vec2(force[row]);
         Ok(arm.forward_dynamics(&pose, &velocities, torque[row], force)?)
+    })
+}
+
+/// θ, ω, α of the driven joints to C, its velocity and acceleration and the torques, with their first and second
+/// derivatives, in the order of `derivatives::VARIABLE_NAMES`.
+#[pyfunction]
+pub(crate) fn derivatives<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    theta: Numbers<'py>,
+    omega: Numbers<'py>,
+    alpha: Numbers<'py>,
+    assembly: Signs<'py>,
+) -> PyResult<Answer<'py>> {
+    let arm = masses(py, robot)?;
+    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
+    let (omega, alpha) = (rows(&omega)?, rows(&alpha)?);
+    let count = common([theta.len(), omega.len(), alpha.len(), assembly.len()])?;
+    const FIRST: usize = QUANTITIES * VARIABLES;
+    const ALL: usize = QUANTITIES + FIRST + FIRST * VARIABLES;
+    solve(py, count, &[QUANTITIES, FIRST, FIRST * VARIABLES], |row| {
+        let [side] = assembly[row];
+        let state = State {
+            theta: theta[row],
+            omega: omega[row],
+            alpha: alpha[row],
+            assembly: positions::side(side)?,
+        };
+        let found = derivatives_of(arm, &state)?;
+        let first = found.first.as_flattened();
+        let second = found.second.as_flattened().as_flattened();
+        let mut numbers = [0.0; ALL];
+        let all = found.value.iter().chain(first).chain(second);
+        for (number, value) in numbers.iter_mut().zip(all) {
+            *number = *value;
+        }
+        Ok(numbers)
     })
 }
 

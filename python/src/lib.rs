@@ -29,7 +29,7 @@ mod _native {
         linkage_accuracy, slider_accuracy,
     };
     #[pymodule_export]
-    use super::dynamics::{forward_dynamics, inverse_dynamics};
+    use super::dynamics::{derivatives, forward_dynamics, inverse_dynamics};
     #[pymodule_export]
     use super::measured::{
         calibrate, calibration_poses, excitations, identify, identify_payload, simulated_log,

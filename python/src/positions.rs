@@ -99,7 +99,7 @@ impl Robot {
     }
 }
 
-fn side(sign: i8) -> Result<Side, Problem> {
+pub(crate) fn side(sign: i8) -> Result<Side, Problem> {
     match sign {
         1 => Ok(Side::Left),
         -1 => Ok(Side::Right),

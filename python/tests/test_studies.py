@@ -90,6 +90,32 @@ def test_the_jacobian_is_the_derivative_of_the_position(arm, poses):
     assert np.allclose(held.torque, -np.swapaxes(found, -1, -2) @ force, rtol=1e-9, atol=1e-12)
 
 
+def test_the_derivatives_are_those_of_the_dynamics_and_of_differences(arm, poses):
+    there = arm.inverse(poses[:50])
+    rng = np.random.default_rng(3)
+    omega, alpha = rng.uniform(-3, 3, (2, 50, 2))
+    found = arm.derivatives(there.theta, omega, alpha, there.assembly)
+    assert found.ok.all() and found.second.shape == (50, 8, 15, 15)
+    needed = arm.inverse_dynamics(there.theta, omega, alpha, there.assembly)
+    assert np.allclose(found.value[:, 6:], needed.torque, rtol=1e-11, atol=1e-13)
+    # ∂τ/∂α is the mass matrix, and the velocity of C is its Jacobian by the rates.
+    assert np.allclose(found.first[:, 6:, 4:6], needed.mass_matrix, rtol=1e-10, atol=1e-13)
+    assert np.allclose(found.first[:, 2:4, 2:4], found.first[:, :2, :2], rtol=1e-10)
+    # The second derivatives by the angles are differences of the first ones.
+    names = fivebar.Derivatives.VARIABLES
+    step = 1e-5
+    for joint, unit in enumerate(np.eye(2)):
+        ahead, behind = (
+            arm.derivatives(there.theta + sign * step * unit, omega, alpha, there.assembly).first
+            for sign in (1, -1)
+        )
+        expected = (ahead - behind) / (2 * step)
+        second = found.second[:, :, :, names.index(("theta1", "theta4")[joint])]
+        scale = np.abs(found.second).max(axis=(2, 3))[:, :, None]
+        assert np.abs((second - expected) / scale).max() < 1e-5
+    assert found.status[0] == 0 and not arm.derivatives([0.0, np.nan]).ok
+
+
 def test_an_arm_is_made_from_its_lengths():
     arm = fivebar.Arm(l1=0.12, l2=0.16, base=0.1)
     assert arm.lengths == (0.12, 0.16, 0.16, 0.12, 0.1) and not arm.has_masses

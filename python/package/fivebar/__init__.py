@@ -27,6 +27,7 @@ from ._measured import Found, Photo
 from ._mechanisms import linkage, linkage_accuracy, mobility, slider_accuracy
 from ._plant import Plant
 from ._results import (
+    Derivatives,
     Forward,
     ForwardDynamics,
     Inverse,
@@ -42,6 +43,7 @@ from ._synthesis import Design, design, dexterities
 
 __all__ = [
     "Arm",
+    "Derivatives",
     "Design",
     "FivebarError",
     "Forward",

@@ -13,6 +13,7 @@ from . import _native
 from ._arm_studies import ArmStudies
 from ._errors import FivebarError, RobotError
 from ._results import (
+    Derivatives,
     Forward,
     ForwardDynamics,
     Inverse,
@@ -358,6 +359,38 @@ class Arm(ArmStudies):
         )
         torque, mass_matrix, bias_torque, *reaction = fields
         return InverseDynamics(status, torque, mass_matrix, bias_torque, Reaction(*reaction))
+
+    def derivatives(
+        self,
+        theta: ArrayLike,
+        omega: ArrayLike = (0.0, 0.0),
+        alpha: ArrayLike = (0.0, 0.0),
+        assembly: Optional[SideLike] = None,
+        *,
+        strict: bool = False,
+    ) -> Derivatives:
+        """First and second derivatives of the motion of C and of the torques, by dual numbers.
+
+        theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,). The variables are these, the
+        lengths and the masses. Needs an arm with masses. Statuses and errors are as for :meth:`inverse_dynamics`.
+
+        >>> arm = Arm.load("benchtop")
+        >>> d = arm.derivatives(arm.home)
+        >>> d.first.shape, d.second.shape
+        ((8, 15), (8, 15, 15))
+        >>> bool(abs(d.first[:2, :2] - arm.jacobian(arm.home)).max() < 1e-15)
+        True
+        """
+        numbers = self._moving(theta, omega, alpha)
+        ys, xs = len(Derivatives.QUANTITIES), len(Derivatives.VARIABLES)
+        fields, status = self._ask(
+            _native.derivatives,
+            numbers,
+            self._assembly(assembly),
+            [(ys,), (ys, xs), (ys, xs, xs)],
+            strict,
+        )
+        return Derivatives(status, *fields)
 
     def forward_dynamics(
         self,

@@ -26,6 +26,7 @@ __all__ = [
     "calibration_poses",
     "clearance",
     "crossing",
+    "derivatives",
     "excitations",
     "export",
     "forward",
@@ -165,6 +166,9 @@ def inverse_dynamics(
     alpha: _Numbers,
     assembly: _Signs,
     external_force: _Numbers,
+) -> _Answer: ...
+def derivatives(
+    robot: Robot, theta: _Numbers, omega: _Numbers, alpha: _Numbers, assembly: _Signs
 ) -> _Answer: ...
 def forward_dynamics(
     robot: Robot,

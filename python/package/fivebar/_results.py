@@ -156,3 +156,26 @@ class ForwardDynamics(Answer):
     def alpha(self) -> Floats:
         """α1, α4 as an argument of other methods, shape S + (2,)."""
         return np.stack((self.alpha1, self.alpha4), axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives(Answer):
+    """The motion of C and the torques, with their derivatives, exact to rounding.
+
+    The quantities y: C [m], its velocity [m/s] and acceleration [m/s²], the torques on links 1 and 4 [N·m]. The
+    variables x: θ [rad], ω [rad/s], α [rad/s²] of joints 1 and 4, l1…l4 and the base [m], the masses of links 1 to
+    4 [kg]. A changed length or mass leaves the centres of mass and the moments of inertia about them as they are.
+    """
+
+    #: The names of the quantities, in their order.
+    QUANTITIES = ("x", "y", "vx", "vy", "ax", "ay", "torque1", "torque4")
+    #: The names of the variables, in their order.
+    VARIABLES = ("theta1", "theta4", "omega1", "omega4", "alpha1", "alpha4",
+                 "l1", "l2", "l3", "l4", "base", "m1", "m2", "m3", "m4")
+
+    #: y, shape S + (8,).
+    value: Floats
+    #: ∂y/∂x, shape S + (8, 15).
+    first: Floats
+    #: ∂²y/∂x∂x, shape S + (8, 15, 15).
+    second: Floats
