@@ -42,6 +42,8 @@ pub struct JobOptions {
     pub tolerance: f64,
     /// Speed along the strokes of an SVG [m/s]; none: the arm's greatest speed.
     pub speed: Option<f64>,
+    /// Distance of the lines that fill the areas of an SVG [m]; none: areas have outlines only.
+    pub hatch: Option<f64>,
 }
 
 impl Default for JobOptions {
@@ -54,6 +56,7 @@ impl Default for JobOptions {
             levels: ToolLevels::Shares,
             tolerance: 2.5e-5,
             speed: None,
+            hatch: None,
         }
     }
 }

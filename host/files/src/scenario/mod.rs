@@ -160,6 +160,7 @@ impl Scenario {
         let options = JobOptions {
             tolerance: 0.5 * self.robot.motion.corner_tolerance / self.scale,
             levels: self.robot.tool_levels(),
+            hatch: self.options.hatch.map(|distance| distance / self.scale),
             ..self.options
         };
         let job = Job::parse_with(&self.job_text, placement, &options);

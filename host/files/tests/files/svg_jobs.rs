@@ -165,6 +165,44 @@ fn what_is_hidden_is_left_out_and_what_differs_is_noted() {
 }
 
 #[test]
+fn a_hatch_fills_what_is_seen_by_the_pen_of_its_fill() {
+    let options = JobOptions {
+        tolerance: TOLERANCE,
+        hatch: Some(1e-3),
+        ..JobOptions::default()
+    };
+    let ring = "<path fill-rule=\"evenodd\" d=\"M10 10H30V30H10ZM15 15H25V25H15Z\"";
+    let read = |content: &str| Job::parse_with(&page(content), &AS_WRITTEN, &options).unwrap();
+    let hatched = strokes(&read(&format!("{ring} fill=\"red\"/>")));
+    // Edges are level or upright; a line that begins in a corner goes on from the outline.
+    let edges = hatched.iter().flat_map(|stroke| stroke.windows(2));
+    let lines: Vec<_> = edges
+        .filter(|edge| (edge[1][0] - edge[0][0]) * (edge[1][1] - edge[0][1]) != 0.0)
+        .collect();
+    let length = |line: &&[[f64; 2]]| (line[1][0] - line[0][0]).hypot(line[1][1] - line[0][1]);
+    let filled: f64 = lines.iter().map(length).sum();
+    assert!((filled - 300.0).abs() < 12.0, "{filled} mm², 1 mm apart");
+    for line in &lines {
+        let middle = [0, 1].map(|axis| 0.5 * (line[0][axis] + line[1][axis]));
+        let is_in_hole = (15.0..25.0).contains(&middle[0]) && (25.0..35.0).contains(&middle[1]);
+        assert!(!is_in_hole, "{line:?}");
+    }
+    for empty in [
+        "fill=\"white\" stroke=\"red\"",
+        "fill=\"none\" stroke=\"red\"",
+    ] {
+        assert_eq!(
+            strokes(&read(&format!("{ring} {empty}/>"))).len(),
+            2,
+            "two outlines"
+        );
+    }
+    // The outline's pen and the fill's are two.
+    let two = read(&format!("{ring} fill=\"red\" stroke=\"blue\"/>"));
+    assert_eq!(two.stops.len(), 1, "{:?}", two.stops);
+}
+
+#[test]
 fn shapes_that_no_one_sees_are_not_drawn() {
     let seen = format!("<path {LINE} d=\"M1 1 L9 1\"/>");
     for hidden in [

@@ -70,6 +70,10 @@ pub(super) struct ReadingArgs {
     /// Speed along the strokes of an SVG per second, such as 50mm; by default the arm's greatest.
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     speed: Option<f64>,
+    /// Fill the areas of an SVG with lines at 45° this far apart, such as 0.8mm; white ones stay empty. By default areas
+    /// have outlines only.
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    hatch: Option<f64>,
 }
 
 impl ReadingArgs {
@@ -79,6 +83,7 @@ impl ReadingArgs {
             pen_height: self.pen_height,
             full_power: self.full_power,
             speed: self.speed,
+            hatch: self.hatch,
             ..JobOptions::default()
         }
     }

@@ -1,17 +1,19 @@
-//! SVG drawings as jobs: the outlines of all visible shapes, in true size.
+//! SVG drawings as jobs: the outlines of all visible shapes, in true size, and on demand their fills as lines.
 //!
 //! The crate `usvg` resolves styles, units, transforms, references and texts, so that only lines
 //! and Bézier curves are left. Their points become metres with y up and (0, 0) in the lower left
 //! corner of the page. Curves are flattened, and the strokes are sorted for short travel between
-//! them. The tool is down along strokes; fills and widths of lines are not drawn.
+//! them. The tool is down along strokes; widths of lines are not drawn, and fills only as hatches.
 
 mod flatten;
+mod hatch;
 mod pens;
 mod size;
 
-use super::drawing;
+use super::drawing::{self, Stroke};
 use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
 use flatten::Flattener;
+use hatch::Hatch;
 use pens::Pens;
 use std::sync::Arc;
 use usvg::{Group, Node, Options, Transform, Tree};
@@ -56,6 +58,7 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
     let mut reader = Reader {
         height: f64::from(tree.size().height()),
         flattener: Flattener::new(options.tolerance / PIXEL),
+        hatch: options.hatch.map(Hatch::new),
         pens: Pens::new(&document),
         notes: Vec::new(),
     };
@@ -96,6 +99,7 @@ struct Reader {
     /// The page's height [px].
     height: f64,
     flattener: Flattener,
+    hatch: Option<Hatch>,
     pens: Pens,
     notes: Vec<Warning>,
 }
@@ -158,9 +162,18 @@ impl Reader {
             JobError::Drawing(reason.into())
         })?;
         let metres = |point: [f64; 2]| point.map(|pixels| pixels * PIXEL);
-        let strokes = strokes.into_iter();
-        self.pens
-            .add(path, strokes.map(|it| it.into_iter().map(metres).collect()));
+        let strokes: Vec<Stroke> = strokes
+            .into_iter()
+            .map(|it| it.into_iter().map(metres).collect())
+            .collect();
+        if let (Some(hatch), Some(fill)) = (&mut self.hatch, path.fill().filter(|it| is_ink(it))) {
+            let lines = hatch.lines(&strokes, fill.rule()).ok_or_else(|| {
+                let reason = "the hatch has too many lines: choose a greater --hatch";
+                JobError::Drawing(reason.into())
+            })?;
+            self.pens.add_fill(fill, lines);
+        }
+        self.pens.add(path, strokes);
         Ok(())
     }
 
@@ -171,6 +184,13 @@ impl Reader {
             None => self.notes.push(Warning::at(0, kind)),
         }
     }
+}
+
+/// Whether a fill is seen on white paper.
+fn is_ink(fill: &usvg::Fill) -> bool {
+    let is_white =
+        matches!(fill.paint(), usvg::Paint::Color(colour) if *colour == usvg::Color::white());
+    fill.opacity().get() > 0.0 && !is_white
 }
 
 /// Whether a path has a fill or a stroke that is not transparent.

@@ -57,21 +57,30 @@ impl Pens {
     }
 
     /// Adds the strokes of a shape.
-    pub(super) fn add(&mut self, path: &usvg::Path, strokes: impl Iterator<Item = Stroke>) {
+    pub(super) fn add(&mut self, path: &usvg::Path, strokes: Vec<Stroke>) {
         let line = path.stroke().filter(|it| it.opacity().get() > 0.0);
         let paint = line.map(usvg::Stroke::paint);
         let paint = paint.or_else(|| path.fill().map(usvg::Fill::paint));
+        self.add_ink(paint, line.is_some(), strokes);
+    }
+
+    /// Adds the lines that fill a shape.
+    pub(super) fn add_fill(&mut self, fill: &usvg::Fill, lines: Vec<Stroke>) {
+        self.add_ink(Some(fill.paint()), true, lines);
+    }
+
+    fn add_ink(&mut self, paint: Option<&Paint>, is_line: bool, strokes: Vec<Stroke>) {
         let ink = Ink {
             layer: self.layer.clone(),
             colour: match paint {
                 Some(Paint::Color(colour)) => Some([colour.red, colour.green, colour.blue]),
                 _ => None,
             },
-            is_line: line.is_some(),
+            is_line,
         };
         match self.parts.iter_mut().find(|(other, _)| *other == ink) {
             Some((_, same)) => same.extend(strokes),
-            None => self.parts.push((ink, strokes.collect())),
+            None => self.parts.push((ink, strokes)),
         }
     }
 
