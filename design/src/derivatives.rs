@@ -1,7 +1,7 @@
 //! First and second derivatives of an arm's motion and torques by its angles, rates, accelerations,
 //! lengths and masses, exact to rounding: the models run on hyper-dual numbers.
 //!
-//! With x the [variables](Variable) and y the [quantities](Quantity) of the forward solution and of the
+//! With x the [variables](VARIABLE_NAMES) and y the [quantities](QUANTITY_NAMES) of the forward solution and of the
 //! inverse dynamics, Fike and Alonso's hyper-dual numbers (AIAA 2011-886) give ∂y/∂xi, ∂y/∂xj and ∂²y/∂xi∂xj
 //! in one evaluation without a step size.
 
