@@ -46,7 +46,7 @@ pub struct Tool<S> {
 }
 
 impl Tool<f32> {
-    /// Without links: what a constant holds until the arm is known. It reaches no point.
+    /// Without links: what a constant holds until the arm is known. Its answers mean nothing.
     pub const NONE: Self = Self {
         geometry: Geometry::<f32>::NONE,
         offset: Vector2::new(0.0, 0.0),
