@@ -13,6 +13,7 @@ use crate::fault::PlantFault;
 use crate::index::Index;
 use crate::latency::Delay;
 use crate::mismatch::Mismatch;
+use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::planar::PlanarVector;
 use crate::sensors::{self, JointSensors};
@@ -160,6 +161,32 @@ impl Plant {
         };
         plant.record_angles();
         plant
+    }
+
+    /// The same with motors that are no brushed ones, each with its gear ratio and its inertia at the shaft [kg·m²]. Their
+    /// torques are those of [`Drives::motor_torque`].
+    pub(crate) fn with_other_motors(
+        parameters: &Parameters,
+        rotors: [(f64, f64); 2],
+        mismatch: &Mismatch,
+        pose: &Pose<f64>,
+        seed: u64,
+    ) -> Self {
+        let mut parameters = parameters.clone();
+        for (motor, (gear_ratio, rotor_inertia)) in parameters.motors.iter_mut().zip(rotors) {
+            *motor = Motor {
+                gear_ratio,
+                rotor_inertia,
+                // A winding without effect, which needs no short step.
+                torque_constant: 0.0,
+                resistance: 1.0,
+                inductance: 1.0,
+                ..*motor
+            };
+        }
+        let mut arm = Self::new(&parameters, mismatch, pose, seed);
+        arm.drives = Some(Drives::new(&parameters, mismatch, &arm.model, &arm.state));
+        arm
     }
 
     /// The same arm with worn joints. It is integrated with adaptive steps, and each joint's

@@ -43,6 +43,12 @@ pub enum TimeOptimalError {
          run the job without --time-optimal"
     )]
     PowerBySpeed,
+    /// Hobby servos are late by more than such a plan's pieces last.
+    #[error(
+        "a hobby servo reads a set-point in each frame and follows late, so a motion at the limit of its torque is not drawn as \
+         planned: leave out the time-optimal plan"
+    )]
+    HobbyServos,
     /// The links are too heavy for the steppers that turn them.
     #[error(
         "the links' inertia at a motor is {0:.0} times the rotor's: above {MOST_INERTIA} a stepper swings so much that it \
@@ -126,6 +132,9 @@ impl JobPlanner {
             return Err(TimeOptimalError::PowerBySpeed);
         }
         let arm = robot.arm()?;
+        if robot.hobby_servos().is_some() {
+            return Err(TimeOptimalError::HobbyServos);
+        }
         if let Some(ratio) = robot.inertia_ratio().filter(|ratio| *ratio > MOST_INERTIA) {
             return Err(TimeOptimalError::Swings(ratio));
         }

@@ -8,9 +8,7 @@ use super::bus::Bus;
 use super::drive::{CanDrive, DriveOnBus, PERIOD};
 use super::protocol::{Answer, Order, answer, by_itself, orders};
 use super::wires::Wires;
-use crate::drives::Drives;
 use crate::mismatch::Mismatch;
-use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::plant::Plant;
 use fivebar_design::Noise;
@@ -66,22 +64,11 @@ impl CanPlant {
         seed: u64,
     ) -> Self {
         let mut parameters = parameters.clone();
-        for (motor, drive) in parameters.motors.iter_mut().zip(&drives) {
-            *motor = Motor {
-                gear_ratio: drive.gear_ratio,
-                rotor_inertia: drive.rotor_inertia,
-                // No brushed motor: a winding without effect, which needs no short step.
-                torque_constant: 0.0,
-                resistance: 1.0,
-                inductance: 1.0,
-                ..*motor
-            };
-        }
         for encoder in &mut parameters.encoders {
             encoder.latency = 0.0;
         }
-        let mut arm = Plant::new(&parameters, mismatch, pose, seed);
-        arm.drives = Some(Drives::new(&parameters, mismatch, arm.model(), arm.state()));
+        let rotors = drives.map(|drive| (drive.gear_ratio, drive.rotor_inertia));
+        let mut arm = Plant::with_other_motors(&parameters, rotors, mismatch, pose, seed);
         let settings = &parameters.settings;
         let zero = match settings.home_reference.method {
             HomingMethod::Absolute => [0; 2],

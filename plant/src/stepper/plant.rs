@@ -8,7 +8,6 @@ use super::motor::Stepper;
 use super::windings::Windings;
 use crate::drives::{Drives, Energy};
 use crate::mismatch::Mismatch;
-use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::plant::Plant;
 use fivebar_firmware::drives::{BrushedCommand, Resolution, StepCommand, StepSample};
@@ -56,20 +55,8 @@ impl StepperPlant {
         pose: &Pose<f64>,
         seed: u64,
     ) -> Self {
-        let mut parameters = parameters.clone();
-        for (motor, stepper) in parameters.motors.iter_mut().zip(steppers) {
-            *motor = Motor {
-                gear_ratio: stepper.gear_ratio,
-                rotor_inertia: stepper.rotor_inertia,
-                // No brushed motor: a winding without effect, which needs no short step.
-                torque_constant: 0.0,
-                resistance: 1.0,
-                inductance: 1.0,
-                ..*motor
-            };
-        }
-        let mut arm = Plant::new(&parameters, mismatch, pose, seed);
-        arm.drives = Some(Drives::new(&parameters, mismatch, arm.model(), arm.state()));
+        let rotors = steppers.map(|stepper| (stepper.gear_ratio, stepper.rotor_inertia));
+        let arm = Plant::with_other_motors(parameters, rotors, mismatch, pose, seed);
         let axes = Joint::ALL.map(|j| {
             let mut motor = steppers[j];
             motor.holding_torque *= 1.0 + mismatch.torque_constant[j];

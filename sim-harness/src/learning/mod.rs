@@ -55,11 +55,11 @@ pub enum LearningError {
     /// The robot has no home pose.
     #[error(transparent)]
     Home(#[from] HomeError),
-    /// Steppers have no encoders.
+    /// Steppers and hobby servos have no encoders.
     #[error(
-        "learning needs encoders, and a stepper has none: leave out --learn, or give the robot brushed motors"
+        "learning needs encoders, and {0} has none: leave out --learn, or give the robot brushed motors"
     )]
-    Steppers,
+    NoEncoders(&'static str),
     /// The tool's power follows its speed.
     #[error(
         "the tool's power follows its speed (`scale_with_speed`), so it needs the job's feed rates, and a job that is \

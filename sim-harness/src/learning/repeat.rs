@@ -87,7 +87,10 @@ pub fn repeat(
 ) -> Result<Repetition, LearningError> {
     let robot = &scenario.robot;
     if robot.has_steppers() {
-        return Err(LearningError::Steppers);
+        return Err(LearningError::NoEncoders("a stepper"));
+    }
+    if robot.hobby_servos().is_some() {
+        return Err(LearningError::NoEncoders("a hobby servo"));
     }
     let plain = scenario.run_moves(job)?;
     let digest = Digest::new(scenario, &plain)?;

@@ -5,6 +5,7 @@ mod by_cause;
 mod can_bus;
 mod control_loop;
 mod demo_scale;
+mod hobby_servos;
 mod joints;
 mod steppers;
 mod summary;
@@ -224,6 +225,18 @@ impl Simulate for Scenario {
     ) -> Result<(Summary, Record), RunError> {
         if let Some(motors) = self.robot.steppers() {
             let plant = steppers::plant(self, &motors)?;
+            let moves = self.run_moves(job)?;
+            return run(
+                self,
+                &mut steppers::controller(self)?,
+                plant,
+                &moves,
+                None,
+                progress,
+            );
+        }
+        if let Some(servos) = self.robot.hobby_servos() {
+            let plant = hobby_servos::plant(self, &servos)?;
             let moves = self.run_moves(job)?;
             return run(
                 self,

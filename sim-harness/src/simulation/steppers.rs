@@ -21,7 +21,7 @@ pub(super) fn plant(scenario: &Scenario, motors: &[Stepper; 2]) -> Result<Steppe
     Ok(plant)
 }
 
-/// A controller of stepper drives.
+/// A controller of stepper drives, and of hobby servos.
 pub(super) fn controller(scenario: &Scenario) -> Result<InProcess<StepDrives>, RunError> {
     InProcess::new(&scenario.robot.settings()?).map_err(|error| settings_error(scenario, error))
 }

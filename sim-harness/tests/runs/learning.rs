@@ -183,7 +183,10 @@ fn what_cannot_be_learnt_is_refused_with_the_reason() {
         }
     };
     let steppers = refused(&scenario(robot("benchtop_stepper"), Mismatch::NONE));
-    assert!(matches!(steppers, LearningError::Steppers), "{steppers}");
+    assert!(
+        matches!(steppers, LearningError::NoEncoders("a stepper")),
+        "{steppers}"
+    );
 }
 
 /// The law with the arm's model answers a shift nearly as it should; independent joints, which take the inertia for

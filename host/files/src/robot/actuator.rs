@@ -2,10 +2,11 @@
 
 use super::can_torque::CanTorque;
 use super::file::Actuator;
+use super::hobby_servo::{self, HobbyServo};
 use super::settings::single;
 use super::stepper::Stepper;
 use crate::source::{Key, Refusals, Source};
-use DriveKind::{Brushed, CanTorque as Can, Stepper as Steps};
+use DriveKind::{Brushed, CanTorque as Can, Servo, Stepper as Steps};
 use fivebar_firmware::drives::can::Protocol;
 use fivebar_firmware::drives::can::mit::Ranges;
 use fivebar_plant::{EncoderSide, Harmonics, Stepper as Motor};
@@ -23,6 +24,8 @@ pub enum DriveKind {
     Stepper,
     /// A drive on a CAN bus that takes a torque.
     CanTorque,
+    /// A hobby servo.
+    Servo,
 }
 
 impl fmt::Display for DriveKind {
@@ -31,6 +34,7 @@ impl fmt::Display for DriveKind {
             Self::Brushed => "brushed",
             Self::Stepper => "stepper",
             Self::CanTorque => "can-torque",
+            Self::Servo => "servo",
         })
     }
 }
@@ -91,10 +95,16 @@ pub(super) struct ActuatorFile {
     position_range: Option<f64>,
     velocity_range: Option<f64>,
     torque_range: Option<f64>,
+    pulse_range: Option<[f64; 2]>,
+    travel: Option<f64>,
+    middle_angle: Option<f64>,
+    dead_band: Option<f64>,
+    frame_rate: Option<f64>,
+    stall_torque: Option<f64>,
 }
 
 /// The keys that not every kind takes, each with the kinds that take it.
-const OF_SOME: [(&str, &[DriveKind]); 28] = [
+const OF_SOME: [(&str, &[DriveKind]); 34] = [
     ("torque_constant", &[Brushed, Can]),
     ("encoder_counts", &[Brushed, Steps, Can]),
     ("encoder_side", &[Brushed, Steps]),
@@ -113,16 +123,22 @@ const OF_SOME: [(&str, &[DriveKind]); 28] = [
     ("holding_torque", &[Steps]),
     ("rated_current", &[Steps]),
     ("detent_torque", &[Steps]),
-    ("torque_share", &[Steps]),
+    ("torque_share", &[Steps, Servo]),
     ("protocol", &[Can]),
     ("node", &[Can]),
     ("peak_torque", &[Can]),
     ("continuous_torque", &[Can]),
-    ("max_speed", &[Can]),
+    ("max_speed", &[Can, Servo]),
     ("current_bandwidth", &[Can]),
     ("position_range", &[Can]),
     ("velocity_range", &[Can]),
     ("torque_range", &[Can]),
+    ("pulse_range", &[Servo]),
+    ("travel", &[Servo]),
+    ("middle_angle", &[Servo]),
+    ("dead_band", &[Servo]),
+    ("frame_rate", &[Servo]),
+    ("stall_torque", &[Servo]),
 ];
 
 /// Reads the keys of one section, and notes those that are missing.
@@ -181,6 +197,7 @@ impl ActuatorFile {
             DriveKind::Brushed => self.brushed(&mut reader),
             DriveKind::Stepper => self.stepper(&mut reader),
             DriveKind::CanTorque => self.can_torque(&mut reader),
+            DriveKind::Servo => self.hobby_servo(&mut reader),
         }
     }
 
@@ -310,6 +327,40 @@ impl ActuatorFile {
         }
     }
 
+    /// A hobby servo, as the motor that the rest of the program knows: currents are its torques over 1 N·m/A, and a count is
+    /// a unit of the timer that makes its pulses.
+    fn hobby_servo(mut self, reader: &mut Reader<'_, '_>) -> Actuator {
+        let missing = |reader: &mut Reader<'_, '_>| [reader.needed("pulse_range", None); 2];
+        let pulse_range = self.pulse_range.unwrap_or_else(|| missing(reader));
+        let travel = reader.needed("travel", self.travel);
+        let max_speed = reader.needed("max_speed", self.max_speed);
+        let stall_torque = reader.needed("stall_torque", self.stall_torque);
+        let dead_band = reader.needed("dead_band", self.dead_band);
+        let servo = HobbyServo {
+            pulse_range,
+            travel,
+            middle_angle: self.middle_angle,
+            max_speed,
+            stall_torque,
+            dead_band,
+            frame_rate: self.frame_rate.unwrap_or(hobby_servo::FRAME_RATE),
+            torque_share: self.torque_share.unwrap_or(hobby_servo::TORQUE_SHARE),
+        };
+        self.gear_ratio = self.gear_ratio.or(Some(1.0));
+        self.rotor_inertia = self.rotor_inertia.or_else(|| Some(servo.typical_inertia()));
+        Actuator {
+            torque_constant: CanTorque::TORQUE_CONSTANT,
+            resistance: CanTorque::RESISTANCE,
+            inductance: CanTorque::RESISTANCE / CanTorque::CURRENT_BANDWIDTH,
+            encoder_counts: servo.units_per_turn(),
+            peak_current: stall_torque / CanTorque::TORQUE_CONSTANT,
+            continuous_current: stall_torque / CanTorque::TORQUE_CONSTANT,
+            thermal_time_constant: CanTorque::HEATING,
+            hobby_servo: Some(servo),
+            ..self.any(reader)
+        }
+    }
+
     /// What every kind has.
     fn any(self, reader: &mut Reader<'_, '_>) -> Actuator {
         Actuator {
@@ -335,6 +386,7 @@ impl ActuatorFile {
             encoder_error: self.encoder_error,
             stepper: None,
             can: None,
+            hobby_servo: None,
         }
     }
 }

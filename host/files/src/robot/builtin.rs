@@ -34,6 +34,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "pantograph_mk2",
     "duet",
     "leg",
+    "classroom_servo",
 ];
 
 impl BuiltIn {

@@ -334,7 +334,7 @@ fn sag(source: &Source<'_>, robot: &Robot, actuators: &[Actuator; 2], refusals: 
 }
 
 /// The greatest torques of the weight at each joint, over the poses within the limits [N·m].
-fn greatest_weights(robot: &Robot) -> [f64; 2] {
+pub(super) fn greatest_weights(robot: &Robot) -> [f64; 2] {
     let Some(arm) = &robot.arm else {
         return [0.0; 2];
     };

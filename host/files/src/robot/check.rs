@@ -9,7 +9,7 @@ use super::value::{
 };
 use super::{
     Actuator, Control, Limits, Protection, Robot, Supply, Tool, ToolLimits, can_torque,
-    consistency, drive, homing, stepper, tolerance, tool_output,
+    consistency, drive, hobby_servo, homing, stepper, tolerance, tool_output,
 };
 use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_firmware::settings::LONGEST_STOP;
@@ -72,6 +72,10 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
     let home = file
         .home
         .unwrap_or_else(|| default_home(&tool, elbows, &file.limits));
+    let mut homing = file.homing;
+    if let Some(method) = hobby_servo::completed(&source, actuators.as_ref()) {
+        homing.method = method;
+    }
     let mut robot = Robot {
         name: file.name,
         geometry,
@@ -89,7 +93,7 @@ pub(super) fn robot(source: Source<'_>) -> Result<Robot, FileError> {
         control: sections.control,
         supply: file.supply,
         protection: file.protection,
-        homing: file.homing,
+        homing,
         tolerance: tolerance?,
         contact: file.contact,
         crossing: file.crossing,
@@ -121,6 +125,11 @@ fn close_loops(robot: &mut Robot, control: &ControlFile) {
 
 /// Whether the values agree with one another.
 fn consistent(source: &Source<'_>, robot: &Robot, is_home_given: bool) -> Result<(), FileError> {
+    let kinds = robot.actuators.map(|both| both.map(|it| it.kind()));
+    if kinds.is_some_and(|[first, second]| first != second) {
+        let reason = "must be the same for both joints";
+        return Err(source.refuse(Key::Of("actuator", 1, "kind"), reason));
+    }
     let mut refusals = Refusals::default();
     refusals.check(homing::check(source, robot));
     if is_home_given {
@@ -128,6 +137,7 @@ fn consistent(source: &Source<'_>, robot: &Robot, is_home_given: bool) -> Result
     }
     stepper::consistent(source, robot, &mut refusals);
     can_torque::consistent(source, robot, &mut refusals);
+    hobby_servo::consistent(source, robot, &mut refusals);
     consistency::check(source, robot, &mut refusals);
     refusals.done()
 }
@@ -311,6 +321,7 @@ fn actuators(
         }
         stepper::check(source, index, a, refusals);
         can_torque::check(source, index, a, refusals);
+        hobby_servo::check(source, index, a, refusals);
         refusals.check(drive::check_brake(source, index, a));
         if !refusals.has_of("actuator", index) {
             refusals.check(drive::check(source, index, a));

@@ -131,7 +131,7 @@ fn motors(robot: &Robot) -> Vec<InvalidValue> {
     let motors = robot.actuators.iter().flatten().enumerate();
     let invalid = motors.filter_map(|(index, motor)| {
         let key = |name| Key::Of("actuator", index, name);
-        if motor.can.is_some() {
+        if motor.can.is_some() || motor.hobby_servo.is_some() {
             return None;
         }
         let [least, greatest] = WINDING;

@@ -176,6 +176,7 @@ impl Draft {
             let speeds = format!("[{most:?}, {most:?}]");
             values.push((Key::In("limits", "max_speed"), speeds));
         }
+        values.extend(self.motors.limits());
         for index in 0..2 {
             let motor = self.motors.values(index);
             let is_driven = !motor.is_empty();

@@ -1,9 +1,11 @@
 //! The motors of a new arm. Both joints have the same motor; its fields are keys of `[[actuator]]`.
 
 use super::draft::tidy;
+use super::hobby_servo::SPEED_SHARE;
 use super::stepper::STEP_RATE;
+use crate::source::Key;
 use fivebar_plant::Stepper;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// The speeds at which a stepper's torque is looked at.
 const SPEEDS: u32 = 1000;
@@ -19,6 +21,8 @@ pub enum Motors {
     Steppers(StepperMotor),
     /// Torque drives on a CAN bus.
     CanDrives(CanMotor),
+    /// Hobby servos.
+    HobbyServos(ServoMotor),
 }
 
 /// A brushed motor with its gear and encoder.
@@ -82,6 +86,23 @@ pub struct CanMotor {
     pub continuous_torque: f64,
     /// [rad/s].
     pub max_speed: f64,
+}
+
+/// A hobby servo. Torque and speed are of its shaft, which turns the joint itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ServoMotor {
+    /// Two widths of its pulse [s].
+    pub pulse_range: [f64; 2],
+    /// The angle by which it turns between them [rad].
+    pub travel: f64,
+    /// [rad/s].
+    pub max_speed: f64,
+    /// [N·m].
+    pub stall_torque: f64,
+    /// Change of the width up to which it does not react [s].
+    pub dead_band: f64,
+    /// Pulses in a second [Hz].
+    pub frame_rate: f64,
 }
 
 /// What a drive on a CAN bus speaks.
@@ -160,6 +181,24 @@ impl CanMotor {
     };
 }
 
+impl ServoMotor {
+    /// An MG90S, classroom_servo's.
+    pub const TYPICAL: Self = Self {
+        pulse_range: [0.5e-3, 2.5e-3],
+        travel: 3.1416,
+        max_speed: 10.5,
+        stall_torque: 0.177,
+        dead_band: 5e-6,
+        frame_rate: 50.0,
+    };
+    /// The middle of joint 1's angles with elbows outwards [rad]; joint 4's is its mirror image.
+    const MIDDLE: f64 = 2.1;
+    /// Coulomb friction of its gears over the stall torque.
+    const COULOMB: f64 = 0.03;
+    /// Speed [m/s], acceleration [m/s²] and jerk [m/s³] of the tool: slow, because servos follow late.
+    const MOTION: [f64; 3] = [0.03, 0.3, 5.0];
+}
+
 impl Motors {
     /// The greatest speed of a joint that they allow on this supply [V], if they say [rad/s].
     pub(super) fn max_speed(&self, voltage: f64) -> Option<f64> {
@@ -167,6 +206,7 @@ impl Motors {
             Self::Ideal | Self::Brushed(_) => None,
             Self::Steppers(motor) => Some(motor.max_speed(voltage)),
             Self::CanDrives(motor) => Some(motor.max_speed / motor.gear_ratio.abs()),
+            Self::HobbyServos(motor) => Some(SPEED_SHARE * motor.max_speed),
         }
     }
 
@@ -177,6 +217,15 @@ impl Motors {
             Self::Brushed(motor) => motor.values(),
             Self::Steppers(motor) => motor.values(),
             Self::CanDrives(motor) => motor.values(index),
+            Self::HobbyServos(motor) => motor.values(),
+        }
+    }
+
+    /// Keys of other sections that follow from them, with their values.
+    pub(super) fn limits(&self) -> Vec<(Key, String)> {
+        match self {
+            Self::HobbyServos(motor) => motor.limits(),
+            _ => Vec::new(),
         }
     }
 }
@@ -267,6 +316,35 @@ impl CanMotor {
             ]),
         }
         values
+    }
+}
+
+impl ServoMotor {
+    fn values(&self) -> Vec<(&'static str, String)> {
+        vec![
+            word("kind", "servo"),
+            ("pulse_range", format!("{:?}", self.pulse_range)),
+            number("travel", self.travel),
+            number("max_speed", self.max_speed),
+            number("stall_torque", self.stall_torque),
+            number("dead_band", self.dead_band),
+            number("frame_rate", self.frame_rate),
+            number("coulomb_friction", tidy(Self::COULOMB * self.stall_torque)),
+        ]
+    }
+
+    /// The joints' angles, which the travel covers, and a slow tool.
+    fn limits(&self) -> Vec<(Key, String)> {
+        let half = 0.475 * self.travel;
+        let about = |middle: f64| [tidy(middle - half), tidy(middle + half)];
+        let angles = [about(Self::MIDDLE), about(PI - Self::MIDDLE)];
+        let [speed, acceleration, jerk] = Self::MOTION.map(|value| format!("{value:?}"));
+        vec![
+            (Key::In("limits", "angle"), format!("{angles:?}")),
+            (Key::In("motion", "max_speed"), speed),
+            (Key::In("motion", "max_acceleration"), acceleration),
+            (Key::In("motion", "max_jerk"), jerk),
+        ]
     }
 }
 

@@ -2,7 +2,7 @@
 //! what plans need of it.
 
 use super::value::{not_negative, positive};
-use super::{Actuator, Robot};
+use super::{Actuator, DriveKind, Robot};
 use crate::source::{FileError, Key, Source};
 use fivebar_design::time_optimal::PlannedDrive;
 use fivebar_firmware::settings::{AxisField, Field, Row};
@@ -21,10 +21,10 @@ impl Robot {
             actuators.map(|actuator| PlannedDrive {
                 viscous: actuator.viscous_friction,
                 coulomb: actuator.coulomb_friction,
-                // The supply limits a stepper by its pull-out torque, and a drive on a bus by its greatest speed.
-                torque_constant: match (actuator.stepper, actuator.can) {
-                    (None, None) => actuator.torque_constant * actuator.gear_ratio.abs(),
-                    _ => 0.0,
+                // The supply limits a stepper by its pull-out torque, and other drives by their greatest speed.
+                torque_constant: match actuator.kind() {
+                    DriveKind::Brushed => actuator.torque_constant * actuator.gear_ratio.abs(),
+                    DriveKind::Stepper | DriveKind::CanTorque | DriveKind::Servo => 0.0,
                 },
                 resistance: actuator.resistance,
             })

@@ -2,8 +2,9 @@
 //!
 //! All values are in SI units and radians. Unknown keys are refused.
 
-use super::actuator::ActuatorFile;
+use super::actuator::{ActuatorFile, DriveKind};
 use super::can_torque::CanTorque;
+use super::hobby_servo::HobbyServo;
 use super::homing::HomeSearch;
 use super::stepper::Stepper;
 use super::tool_output::ToolOutputFile;
@@ -126,6 +127,9 @@ pub struct Actuator {
     /// What it has besides, if it is a drive on a bus. Its currents are then its torques over the torque constant, and its
     /// winding has the lag of its current loop.
     pub can: Option<CanTorque>,
+    /// What it has besides, if it is a hobby servo. Its currents are then its torques over 1 N·m/A, and its counts the units
+    /// of the timer that makes its pulses.
+    pub hobby_servo: Option<HobbyServo>,
 }
 
 /// Time in which a holding brake of this size engages or releases, if the file has none [s]: data
@@ -133,6 +137,16 @@ pub struct Actuator {
 pub(super) const BRAKE_TIME: f64 = 0.05;
 
 impl Actuator {
+    /// What it is.
+    pub fn kind(&self) -> DriveKind {
+        match (&self.stepper, &self.can, &self.hobby_servo) {
+            (Some(_), ..) => DriveKind::Stepper,
+            (_, Some(_), _) => DriveKind::CanTorque,
+            (.., Some(_)) => DriveKind::Servo,
+            (None, None, None) => DriveKind::Brushed,
+        }
+    }
+
     /// The motor with its gear ratio and the friction at its joint.
     pub fn motor(&self) -> Motor {
         Motor {

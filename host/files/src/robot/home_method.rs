@@ -137,9 +137,10 @@ fn absolute(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         let Actuator {
             gear_ratio,
             encoder_side,
+            hobby_servo,
             ..
         } = actuators[joint];
-        if encoder_side == EncoderSide::Motor && gear_ratio.abs() != 1.0 {
+        if hobby_servo.is_none() && encoder_side == EncoderSide::Motor && gear_ratio.abs() != 1.0 {
             let key = Key::Of("actuator", joint.index(), "encoder_side");
             let reason = "must be \"joint\" for absolute encoders: a motor has the same counts in each \
                           of its turns";

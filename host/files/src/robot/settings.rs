@@ -332,6 +332,7 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
         encoder_error: Harmonics::NONE,
         stepper: None,
         can: None,
+        hobby_servo: None,
     }
 }
 

@@ -5,7 +5,7 @@
 //! the share at the joint's greatest speed, which is the least.
 
 use super::settings::single;
-use super::{Actuator, Robot};
+use super::{Actuator, DriveKind, Robot};
 use crate::source::{FileError, Key, Refusals, Source};
 use fivebar_design::time_optimal::FallingTorque;
 use fivebar_firmware::settings::BeltSettings;
@@ -115,17 +115,29 @@ impl Robot {
         Some([first?, second?])
     }
 
-    /// The pull-out torque of a stepper at its joint's greatest speed, over its holding torque, the lesser of both
+    /// The torque of a stepper or of a hobby servo at its joint's greatest speed, over that at rest, the lesser of both
     /// joints; 1 of other motors.
     pub(super) fn torque_at_speed(&self) -> f64 {
-        let shares = self.steppers().map(|motors| {
-            Joint::ALL.map(|joint| {
-                let speed = self.limits.max_speed[joint] * motors[joint].gear_ratio;
-                let torque = motors[joint].pull_out_torque(speed, self.supply.voltage);
-                torque / motors[joint].holding_torque
-            })
+        let Some(actuators) = &self.actuators else {
+            return 1.0;
+        };
+        let shares = Joint::ALL.map(|joint| {
+            let Actuator {
+                gear_ratio,
+                stepper,
+                hobby_servo,
+                ..
+            } = &actuators[joint];
+            let speed = self.limits.max_speed[joint] * gear_ratio.abs();
+            match (stepper, hobby_servo) {
+                (Some(Stepper { motor, .. }), _) => {
+                    motor.pull_out_torque(speed, self.supply.voltage) / motor.holding_torque
+                }
+                (_, Some(servo)) => servo.torque_at_speed(speed),
+                (None, None) => 1.0,
+            }
         });
-        shares.map_or(1.0, |[first, second]| first.min(second))
+        shares[0].min(shares[1])
     }
 
     /// The greater of both ratios of the links' inertia at a stepper to its rotor's, with the arm at home; none without
@@ -142,6 +154,12 @@ impl Robot {
         motors.is_some_and(|motors| motors.iter().all(|motor| motor.encoder))
     }
 
+    /// What turns its joints; brushed motors stand for ideal torque sources.
+    pub fn drive_kind(&self) -> DriveKind {
+        self.actuators
+            .map_or(DriveKind::Brushed, |[first, _]| first.kind())
+    }
+
     /// Whether its joints are turned by steppers.
     pub fn has_steppers(&self) -> bool {
         self.actuators
@@ -151,13 +169,18 @@ impl Robot {
     /// The robot, for what needs brushed motors.
     ///
     /// # Errors
-    /// Its motors are steppers, or its drives are on a bus.
+    /// Its motors are steppers or hobby servos, or its drives are on a bus.
     pub fn brushed(&self) -> Result<&Self, NotBrushed> {
         let (drives, instead) = if self.has_steppers() {
             (
                 "steppers",
                 "Steppers have no loop of the controller and no torque to log: `torque_share` is their margin, and \
                  `sim` shows the `lost_steps`",
+            )
+        } else if self.hobby_servos().is_some() {
+            (
+                "hobby servos",
+                "A servo has a loop of its own and tells nothing: `sim` shows how far its arm is from its set-points",
             )
         } else if self.can_drives().is_some() {
             (
@@ -177,9 +200,12 @@ impl Robot {
 }
 
 impl Actuator {
-    /// The share of the holding torque of a stepper that motions may take near rest; 1 of other motors.
+    /// The share of the holding torque of a stepper, or of the stall torque of a hobby servo, that motions may take near
+    /// rest; 1 of other motors.
     pub(super) fn torque_share(&self) -> f64 {
-        self.stepper.map_or(1.0, |stepper| stepper.torque_share)
+        let of_servo = self.hobby_servo.map_or(1.0, |servo| servo.torque_share);
+        self.stepper
+            .map_or(of_servo, |stepper| stepper.torque_share)
     }
 }
 
@@ -251,12 +277,6 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
     let Some(actuators) = &robot.actuators else {
         return;
     };
-    let kind = |actuator: &Actuator| (actuator.stepper.is_some(), actuator.can.is_some());
-    if kind(&actuators[0]) != kind(&actuators[1]) {
-        let reason = "must be the same for both joints";
-        refusals.add(source.refuse(Key::Of("actuator", 1, "kind"), reason));
-        return;
-    }
     let voltage = robot.supply.voltage;
     let home = robot.home_pose().ok();
     let weight = home

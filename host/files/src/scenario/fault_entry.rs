@@ -363,6 +363,10 @@ impl FaultEntry {
                     "is of encoders, and this arm has steppers without: give both an `encoder_counts`",
                 )
             }
+            _ if robot.hobby_servos().is_some() && !kind.is_of_hobby_servos() => refused(
+                "kind",
+                "is of motors with encoders, and this arm has hobby servos",
+            ),
             _ if has_steppers && !kind.is_of_steppers() => {
                 refused("kind", "is of brushed motors, and this arm has steppers")
             }

@@ -64,6 +64,8 @@ fn yes() -> bool {
 fn check_kind(source: &Source<'_>, file: &ScenarioFile, robot: &Robot) -> Result<(), FileError> {
     let (name, drives) = if robot.has_steppers() {
         (file.mismatch.effect_without_steppers(), "steppers")
+    } else if robot.hobby_servos().is_some() {
+        (file.mismatch.effect_without_steppers(), "hobby servos")
     } else if robot.can_drives().is_some() {
         (
             file.mismatch.effect_without_torque_drives(),
@@ -120,7 +122,7 @@ impl Scenario {
         let robot = load(&file.robot)?;
         let arm = file.arm.as_deref().map(load).transpose()?;
         if let Some(arm) = &arm
-            && arm.has_steppers() != robot.has_steppers()
+            && arm.drive_kind() != robot.drive_kind()
         {
             let reason = format!(
                 "`{}` and the robot `{}` have drives of different kinds",

@@ -110,10 +110,11 @@ impl Scenario {
         self.arm.as_ref().unwrap_or(&self.robot)
     }
 
-    /// The same with PID at each joint, to compare with; none if it has PID itself, or steppers, which follow the
-    /// same micro-steps under any law.
+    /// The same with PID at each joint, to compare with; none if it has PID itself, or steppers or hobby servos, which
+    /// follow the same set-points under any law.
     pub fn under_pid(&self) -> Option<Self> {
-        let compared = self.control_law != ControlLaw::Pid && !self.robot.has_steppers();
+        let follows = self.robot.has_steppers() || self.robot.hobby_servos().is_some();
+        let compared = self.control_law != ControlLaw::Pid && !follows;
         compared.then(|| Self {
             control_law: ControlLaw::Pid,
             ..self.clone()

@@ -8,7 +8,7 @@ use super::run_args::JobArgs;
 use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
 use fivebar_files::job::{Job, Pause};
-use fivebar_files::robot::Robot;
+use fivebar_files::robot::{DriveKind, Robot};
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
 use fivebar_firmware::{Move, Planner, Status};
@@ -53,6 +53,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
+    let drives = drives(&scenario.robot)?;
     let settings = scenario.robot.settings().map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
@@ -60,7 +61,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     args.log.prepare()?;
     let interrupted = interrupted()?;
     let (mut client, identity) = args.port.open()?;
-    refuse_other(identity.board, drives(&scenario.robot))?;
+    refuse_other(identity.board, drives)?;
     let wants_stop = || interrupted.load(Ordering::Relaxed);
     let mut drive = Drive::new(&mut client, &wants_stop);
     let lengths = path_lengths(&scenario, &job);
@@ -127,15 +128,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     logged
 }
 
-/// What turns a robot's joints, and the image of the firmware for it.
-fn drives(robot: &Robot) -> (&'static str, &'static str) {
-    if robot.has_steppers() {
-        ("steppers", "stm32f405_stepper")
-    } else if robot.can_drives().is_some() {
-        ("drives on a CAN bus", "stm32f405_can")
-    } else {
-        ("brushed motors", "stm32f405")
-    }
+/// What turns a robot's joints, and the image of the firmware for it, if there is one.
+fn drives(robot: &Robot) -> Result<(&'static str, &'static str), Failure> {
+    Ok(match robot.drive_kind() {
+        DriveKind::Stepper => ("steppers", "stm32f405_stepper"),
+        DriveKind::CanTorque => ("drives on a CAN bus", "stm32f405_can"),
+        DriveKind::Brushed => ("brushed motors", "stm32f405"),
+        DriveKind::Servo => {
+            return Err(refused(format_args!(
+                "robot `{}` has hobby servos, and no image of the firmware drives them yet: `fivebar sim` draws with the \
+                 simulated arm",
+                robot.name
+            )));
+        }
+    })
 }
 
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something

@@ -1,6 +1,6 @@
 //! The questions of `fivebar new`, and the reading of their answers.
 
-use fivebar_files::robot::{CanMotor, CanProtocol, Draft, Motor, Motors, StepperMotor};
+use fivebar_files::robot::{CanMotor, CanProtocol, Draft, Motor, Motors, ServoMotor, StepperMotor};
 use fivebar_firmware::settings::AxisField;
 use std::borrow::Cow;
 use std::str::FromStr;
@@ -105,8 +105,8 @@ pub(super) const ARM: [Question; 10] = [
     },
     Question {
         text: Cow::Borrowed(
-            "Motors: typical (brushed, 20 W), own (brushed, your data), stepper, can (torque drives on a CAN bus), or ideal \
-             torque sources",
+            "Motors: typical (brushed, 20 W), own (brushed, your data), stepper, can (torque drives on a CAN bus), servo (hobby \
+             servos), or ideal torque sources",
         ),
         default: |_| KINDS[0].into(),
         take: |draft, answer| {
@@ -114,6 +114,7 @@ pub(super) const ARM: [Question; 10] = [
                 0 | 1 => Motors::Brushed(Motor::TYPICAL),
                 2 => Motors::Steppers(StepperMotor::TYPICAL),
                 3 => Motors::CanDrives(CanMotor::TYPICAL),
+                4 => Motors::HobbyServos(ServoMotor::TYPICAL),
                 _ => Motors::Ideal,
             };
             Ok(())
@@ -122,7 +123,7 @@ pub(super) const ARM: [Question; 10] = [
 ];
 
 /// The answers to the last question of the arm.
-const KINDS: [&str; 5] = ["typical", "own", "stepper", "can", "ideal"];
+const KINDS: [&str; 6] = ["typical", "own", "stepper", "can", "servo", "ideal"];
 
 /// The questions that follow the last answer about the arm.
 pub(super) fn about_motors(motors: &Motors, answer: &str) -> Vec<Question> {
@@ -130,6 +131,7 @@ pub(super) fn about_motors(motors: &Motors, answer: &str) -> Vec<Question> {
         Motors::Brushed(_) if asks_for_own(answer) => brushed(),
         Motors::Steppers(_) => steppers(),
         Motors::CanDrives(_) => vec![PROTOCOL],
+        Motors::HobbyServos(_) => hobby_servos(),
         Motors::Brushed(_) | Motors::Ideal => Vec::new(),
     }
 }
@@ -219,6 +221,40 @@ fn steppers() -> Vec<Question> {
         of_motor!(Steppers, resistance, "Resistance of a winding", ["Ω"]),
         of_motor!(Steppers, inductance, "Inductance of a winding", ["H"]),
         of_motor!(Steppers, rotor_inertia = RotorInertia),
+    ]
+}
+
+fn hobby_servos() -> Vec<Question> {
+    vec![
+        Question {
+            text: Cow::Borrowed("Shortest and longest pulse of a servo [s]"),
+            default: |draft| match &draft.motors {
+                Motors::HobbyServos(motor) => both(motor.pulse_range),
+                _ => String::new(),
+            },
+            take: |draft, answer| {
+                let widths = pair(answer, |answer| quantity(answer, "s"))?;
+                if let Motors::HobbyServos(motor) = &mut draft.motors {
+                    motor.pulse_range = widths;
+                }
+                Ok(())
+            },
+        },
+        of_motor!(HobbyServos, travel, "Angle between both", ["rad"]),
+        of_motor!(
+            HobbyServos,
+            max_speed,
+            "Greatest speed at this supply",
+            ["rad/s"]
+        ),
+        of_motor!(
+            HobbyServos,
+            stall_torque,
+            "Stall torque at this supply",
+            ["N·m"]
+        ),
+        of_motor!(HobbyServos, dead_band, "Dead band of the pulse", ["s"]),
+        of_motor!(HobbyServos, frame_rate, "Pulses in a second", ["Hz"]),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! Motors, gears, brakes and encoders, and the monitors that protect them.
 
 use super::Plausible;
-use crate::robot::{Actuator, CanTorque, Robot};
+use crate::robot::{Actuator, CanTorque, HobbyServo, Robot};
 use crate::source::Key;
 use fivebar_firmware::settings::AxisField;
 use fivebar_kinematics::five_bar::Joint;
@@ -25,6 +25,9 @@ const NO_LOAD: [f64; 2] = [500.0, 0.2];
 
 /// The greatest speed of a drive on a bus over the one that its joint needs.
 const SPEED: [f64; 2] = [1.0, 100.0];
+
+/// Stall torques of hobby servos [N·m].
+const STALL: [f64; 2] = [0.005, 15.0];
 
 /// The peak current as a multiple of the stall current V/R. At twice the stall current the motor brakes
 /// from its no-load speed.
@@ -71,11 +74,18 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
     let peak_torque = motor.peak_torque();
     let stall = voltage / motor.resistance;
     let braking = motor.torque_constant.powi(2) / motor.resistance;
-    let mut rules = match &motor.can {
-        None => electrics(robot, joint, motor, stall),
-        Some(drive) => torque_drive(robot, joint, motor, drive),
+    let mut rules = match (&motor.can, &motor.hobby_servo) {
+        (Some(drive), _) => torque_drive(robot, joint, motor, drive),
+        (None, Some(servo)) => hobby_servo(robot, joint, motor, servo),
+        (None, None) => electrics(robot, joint, motor, stall),
     };
     rules.push(match (&motor.stepper, &motor.can) {
+        (None, None) if let Some(servo) = &motor.hobby_servo => Plausible::new(
+            key("rotor_inertia"),
+            (motor.rotor_inertia, "kg·m²"),
+            MECHANICAL.map(|seconds| seconds * servo.stall_torque / servo.max_speed),
+            "the mechanical time constant, times `max_speed` over `stall_torque`, is 5e-5 to 1 s",
+        ),
         (None, None) => Plausible::new(
             key("rotor_inertia"),
             (motor.rotor_inertia, "kg·m²"),
@@ -220,6 +230,31 @@ fn torque_drive(
         ),
     ]);
     rules
+}
+
+/// What a hobby servo can.
+fn hobby_servo(
+    robot: &Robot,
+    joint: Joint,
+    motor: &Actuator,
+    servo: &HobbyServo,
+) -> Vec<Plausible> {
+    let key = |name| Key::Of("actuator", joint.index(), name);
+    let needed = robot.limits.max_speed[joint] * motor.gear_ratio.abs();
+    vec![
+        Plausible::new(
+            key("max_speed"),
+            (servo.max_speed, "rad/s"),
+            SPEED.map(|share| share * needed),
+            "1 to 100 times what the joint's `max_speed` of [limits] needs",
+        ),
+        Plausible::new(
+            key("stall_torque"),
+            (servo.stall_torque, "N·m"),
+            STALL,
+            "from the smallest servo, of 2 g, to a large one; 1 kgf·cm is 0.098 N·m",
+        ),
+    ]
 }
 
 fn electrics(robot: &Robot, joint: Joint, motor: &Actuator, stall: f64) -> Vec<Plausible> {

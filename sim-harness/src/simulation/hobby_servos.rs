@@ -1,0 +1,59 @@
+//! Runs on an arm with hobby servos. Their controller is that of stepper drives, whose micro-steps are units of the timer
+//! that makes the pulses: it takes the place that a servo is told for the place where it is.
+
+use super::{RunError, SimulatedArm, check_mismatch, start_pose};
+use fivebar_files::scenario::Scenario;
+use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
+use fivebar_firmware::{ArmCommand, ArmSample};
+use fivebar_kinematics::five_bar::Joint;
+use fivebar_plant::{HobbyServo, HobbyServoPlant, PlantFault};
+
+/// The simulated arm, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors: a hand has put it near its
+/// home angles.
+pub(super) fn plant(
+    scenario: &Scenario,
+    servos: &[HobbyServo; 2],
+) -> Result<HobbyServoPlant, RunError> {
+    let pose = start_pose(scenario)?;
+    let parameters = scenario.arm().plant_parameters()?;
+    check_mismatch(scenario, &parameters)?;
+    let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
+    let mut plant = HobbyServoPlant::new(&parameters, servos, mismatch, &pose, seed);
+    for &fault in &scenario.initial_faults {
+        plant.arm_mut().inject(fault);
+    }
+    Ok(plant)
+}
+
+impl SimulatedArm for HobbyServoPlant {
+    type Drives = StepDrives;
+
+    fn sense(&mut self) -> ArmSample<StepSample> {
+        Self::sense(self)
+    }
+
+    fn step(&mut self, command: &ArmCommand<StepCommand>, period: f64) {
+        Self::step(self, command, period);
+    }
+
+    fn schedule_faults(&mut self, faults: &[PlantFault]) {
+        self.arm_mut().schedule_faults(faults);
+    }
+
+    fn tool(&self) -> [f64; 2] {
+        Self::tool(self).into()
+    }
+
+    fn angle(&self, joint: Joint) -> f64 {
+        Self::angle(self, joint)
+    }
+
+    fn torque(&self) -> [f64; 2] {
+        Self::torque(self)
+    }
+
+    /// A servo tells no current: its torque, at 1 N·m/A.
+    fn current(&self) -> [f64; 2] {
+        Self::torque(self)
+    }
+}
