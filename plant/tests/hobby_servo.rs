@@ -129,9 +129,9 @@ fn a_distant_set_point_is_reached_at_the_greatest_speed_of_the_supply() {
             last = now;
         }
         let expected = SERVO.max_speed * supply / SUPPLY;
-        assert!((fastest - expected).abs() < 0.01 * expected, "{fastest}");
+        assert!((fastest - expected).abs() < 0.02 * expected, "{fastest}");
         let turned = last - before;
-        assert!((turned - 1.0).abs() < SERVO.dead_angle() + 1e-3, "{turned}");
+        assert!((turned - 1.0).abs() < 2.0 * SERVO.dead_angle(), "{turned}");
     }
 }
 

@@ -8,7 +8,7 @@
 //! |---|---|---|---|
 //! | [`BrushedDrives`]: brushed motors on H-bridges | a torque | ADC codes of currents and bus voltage | of the current loop |
 //! | [`TorqueDrives`]: drives that close their own current loops | a torque | torques, their age, errors | of transmission, a held torque, and the current loop |
-//! | [`StepDrives`]: step and direction for stepper motors | a motion | the micro-steps that are made | one tick |
+//! | [`StepDrives`]: step and direction for stepper motors; pulses for hobby servos | a motion | the micro-steps that are made | one tick |
 
 mod brushed;
 pub mod can;

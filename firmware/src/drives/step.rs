@@ -69,6 +69,9 @@ pub struct StepCommand {
 /// is told, less the lead, for the place where it is, and no check sees a motor that has lost steps. The axis settings
 /// are those of an encoder with one count a micro-step.
 ///
+/// A hobby servo is such a motor, too: a micro-step is a unit of the timer that makes its pulse, and a pulse is as long as
+/// at the home angle, and by the units made longer. Its field has no stiffness that is known, so nothing leads.
+///
 /// With an encoder, the joint's angle is what it counts, and [`Fault::StepsLost`] ends a motion in which counts and
 /// micro-steps part. The angle stays known.
 #[derive(Clone)]

@@ -63,6 +63,11 @@ impl HobbyServo {
         1.0 / self.frame_rate + one.max(other)
     }
 
+    /// The time by which the servo's own loop follows a moving set-point late, B/ω₀ [s].
+    pub fn lag(&self) -> f64 {
+        BAND / self.max_speed
+    }
+
     /// The error beyond the dead band at which the servo gives its stall torque at rest [rad].
     pub fn stall_error(&self) -> f64 {
         BAND / SPEED_GAIN

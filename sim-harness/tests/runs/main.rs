@@ -1,7 +1,8 @@
-//! What jobs ask of an arm at home, jobs on steppers, and jobs that are learnt.
+//! What jobs ask of an arm at home, jobs on steppers and hobby servos, and jobs that are learnt.
 
 mod approach;
 mod can_bus;
+mod hobby_servos;
 mod learning;
 mod stepper_campaign;
 mod stepper_encoders;

@@ -213,6 +213,173 @@ fn encoders_on_steppers_need_room_for_the_swing_when_the_current_comes() {
     Robot::parse("arm.toml", &falls).expect("with encoders it may fall");
 }
 
+/// The built-in robot with hobby servos, with this text of its file changed in one place.
+fn plotter(old: &str, new: &str) -> String {
+    let text = fivebar_files::robot::BuiltIn::find("classroom_servo")
+        .expect("built in")
+        .text;
+    assert!(text.contains(old), "{old}");
+    text.replacen(old, new, 1)
+}
+
+#[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
+fn hobby_servos_are_refused_what_they_cannot_do_with_the_way_out() {
+    for (old, new, sentence) in [
+        (
+            "travel = 3.1415927",
+            "travel = 2.0",
+            "`travel` of [[actuator]] 1 turns joint 1 from 1.130 to 3.130 rad, and its `angle` of [limits] is [0.63, 3.63] \
+             rad: narrow that, or set `middle_angle`",
+        ),
+        (
+            "travel = 3.1415927",
+            "travel = 3.1415927\nmiddle_angle = 1.5",
+            "turns joint 1 from -0.071 to 3.071 rad",
+        ),
+        (
+            "travel = 3.1415927",
+            "travel = 3.1415927\ngear_ratio = -2.0",
+            "turns joint 1 from 1.345 to 2.915 rad",
+        ),
+        (
+            "travel = 3.1415927",
+            "travel = 180.0",
+            "must be 0.5 to 7.0 rad",
+        ),
+        (
+            "travel = 3.1415927\n",
+            "",
+            "`travel` of [[actuator]] 1 is missing: a drive of kind \"servo\" needs it",
+        ),
+        (
+            "pulse_range = [0.0005, 0.0025]\n",
+            "",
+            "`pulse_range` of [[actuator]] 1 is missing",
+        ),
+        (
+            "[0.0005, 0.0025]",
+            "[0.0025, 0.0005]",
+            "has a negative `gear_ratio`",
+        ),
+        (
+            "[0.0005, 0.0025]",
+            "[500.0, 2500.0]",
+            "must be two widths from 0.0003 to 0.0027 s",
+        ),
+        (
+            "frame_rate = 50.0",
+            "frame_rate = 400.0",
+            "must be 50.0 to 333.0 Hz, not 400.0",
+        ),
+        (
+            "frame_rate = 50.0",
+            "frame_rate = 20.0",
+            "every servo takes 50 Hz",
+        ),
+        (
+            "dead_band = 5e-6",
+            "dead_band = 5.0",
+            "`dead_band` of [[actuator]] 1 must be",
+        ),
+        (
+            "stall_torque = 0.177",
+            "stall_torque = -0.177",
+            "`stall_torque` of [[actuator]] 1 must be",
+        ),
+        (
+            "max_speed = [3.0, 3.0]",
+            "max_speed = [3.0, 9.0]",
+            "of joint 4 is 9.0 rad/s, and motions may take 0.8 of what its servo can, so that the servo can catch up: \
+             lower it to 8.400 rad/s",
+        ),
+        ("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]", ""),
+        (
+            "gravity = [0.0, 0.0]\nbase = 0.05\n# A felt pen in a clothes peg, with the servo that lifts it, at C.\npayload = 0.02",
+            "gravity = [0.0, -9.81]\nbase = 0.05\npayload = 0.2",
+            "cannot hold joint 1 against gravity: in some pose it needs",
+        ),
+        (
+            "kind = \"servo\"\npulse_range",
+            "kind = \"servo\"\nencoder_counts = 400\npulse_range",
+            "is a key of kind \"brushed\" or \"stepper\" or \"can-torque\", and this drive is of kind \"servo\"",
+        ),
+        (
+            "[supply]",
+            "[homing]\nmethod = \"switch\"\n[supply]",
+            "a hobby servo knows its own: leave it out",
+        ),
+        (
+            "[supply]",
+            "[homing]\nspeed = 0.1\n[supply]",
+            "is of a search, and this method moves nothing",
+        ),
+        (
+            "[supply]",
+            "[crossing]\nallowed = true\n[supply]",
+            "with hobby servos leave it out",
+        ),
+        (
+            "frame_rate = 50.0",
+            "frame_rate = 50.0\ntorque_share = 5.0",
+            "must be 0.05 to 2.0 of the torque",
+        ),
+    ] {
+        let text = plotter(old, new);
+        if sentence.is_empty() {
+            Robot::parse("arm.toml", &text).expect("these servos hold this arm upright");
+            continue;
+        }
+        let refusals = refusals(&text);
+        let found = refusals
+            .iter()
+            .any(|refusal| refusal.contains(sentence) && refusal.starts_with("arm.toml, line "));
+        assert!(found, "{new}: {sentence} is not in {refusals:#?}");
+    }
+    // Both joints have servos, or none has.
+    let text = plotter(
+        "kind = \"servo\"\npulse_range",
+        "kind = \"servo\"\npulse_range",
+    );
+    let stepper = stepper("name = ", "name = ");
+    let (first, second) = (
+        text.find("[[actuator]]").unwrap(),
+        text.rfind("[[actuator]]").unwrap(),
+    );
+    let of_stepper =
+        &stepper[stepper.find("[[actuator]]").unwrap()..stepper.rfind("[[actuator]]").unwrap()];
+    let mixed = format!("{}{of_stepper}{}", &text[..first], &text[second..]);
+    let refusals = refusals(&mixed);
+    assert!(
+        refusals[0].contains("`kind` of [[actuator]] 2 must be the same"),
+        "{refusals:#?}"
+    );
+}
+
+/// The simulated servo is at the width that its robot file means, whichever way it turns.
+#[test]
+fn the_width_at_home_follows_from_the_angle_at_the_middle_of_the_widths() {
+    let home = 2.617_993_9_f64;
+    for (keys, middle, gear_ratio) in [
+        ("", 0.5 * (0.63 + 3.63), 1.0),
+        ("\nmiddle_angle = 2.2", 2.2, 1.0),
+        ("\nmiddle_angle = 2.2\ngear_ratio = -1.0", 2.2, -1.0),
+    ] {
+        let text = plotter("travel = 3.1415927", &format!("travel = 3.2{keys}"));
+        let robot = Robot::parse("arm.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        let [servo, _] = robot.hobby_servos().unwrap();
+        let expected = 1.5e-3 + gear_ratio * (home - middle) * 2e-3 / 3.2;
+        assert!((servo.home_width - expected).abs() < 1e-9, "{servo:?}");
+        // 20 ms of a typical small motor.
+        assert!((servo.rotor_inertia - 0.02 * 0.177 / 10.5).abs() < 1e-12);
+        let [first, _] = robot.actuators.unwrap();
+        assert_eq!(
+            first.encoder_counts,
+            (std::f64::consts::TAU / 3.2 * 4000.0).round() as u32
+        );
+    }
+}
+
 /// The built-in robot with drives on a bus, with this line of the first `[[actuator]]` changed.
 fn leg(old: &str, new: &str) -> String {
     let text = fivebar_files::robot::BuiltIn::find("leg")

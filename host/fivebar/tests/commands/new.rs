@@ -317,6 +317,20 @@ fn drives_on_a_can_bus_draw_in_both_protocols() {
 }
 
 #[test]
+fn hobby_servos_of_own_data_draw_within_millimetres() {
+    // Widths, travel, speed, torque, dead band, pulses in a second.
+    let motor = ["0.6 ms, 2.4 ms", "3.0", "8", "0.3 N·m", "2 µs", "300"];
+    let (robot, figures) = petal_of(&[&ARM[..], &["servo"], &motor].concat());
+    let [servo, _] = robot.hobby_servos().unwrap();
+    assert_eq!(servo.pulse_range, [0.6e-3, 2.4e-3]);
+    assert_eq!((servo.travel, servo.max_speed), (3.0, 8.0));
+    assert_eq!((servo.stall_torque, servo.frame_rate), (0.3, 300.0));
+    assert!((servo.dead_band - 2e-6).abs() < 1e-18);
+    let rms = figures["tip_error"]["rms_m"].as_f64().unwrap();
+    assert!((1e-4..3e-3).contains(&rms), "{rms} m");
+}
+
+#[test]
 fn an_existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("arm.toml"), "mine").unwrap();
