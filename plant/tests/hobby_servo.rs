@@ -221,6 +221,20 @@ fn without_power_a_servo_gives_no_torque_and_with_it_turns_to_its_set_point() {
 }
 
 #[test]
+fn a_horn_that_sits_wrongly_turns_its_joint_by_that_angle() {
+    let mismatch = Mismatch {
+        home_error: [0.05, 0.0],
+        ..Mismatch::NONE
+    };
+    let servos = [SERVO; 2];
+    let mut plant = HobbyServoPlant::new(&parameters(), &servos, &mismatch, &pose(START), 1);
+    rest(&mut plant, 0.5);
+    let [theta1, theta4] = angles(&plant);
+    assert!((theta1 - START[0] - 0.05).abs() < 2.0 * SERVO.dead_angle());
+    assert!((theta4 - START[1]).abs() < 2.0 * SERVO.dead_angle());
+}
+
+#[test]
 fn no_pulse_leaves_the_range_of_the_widths() {
     let mut plant = arm(SERVO);
     plant.step(&command([5000, -5000]), TICK);

@@ -27,7 +27,7 @@ pub struct HobbyServoPlant {
 #[derive(Clone, Debug)]
 struct Axis {
     servo: HobbyServo,
-    /// The joint's home angle [rad].
+    /// The joint's angle at the width of home [rad].
     home: f64,
     /// Units of the timer by which the pulse is longer than at home.
     units: i32,
@@ -43,7 +43,8 @@ struct Axis {
 
 impl HobbyServoPlant {
     /// The arm with these servos and this mismatch, at rest in `pose`, without pulses. Gear ratio and inertia are the
-    /// servos', friction and supply those of `parameters`; an excess of the torque constant is one of the stall torque.
+    /// servos', friction and supply those of `parameters`; an excess of the torque constant is one of the stall torque, and
+    /// an error of home one of the angle at which a horn sits on its servo.
     /// `seed` starts the sensors' noise.
     pub fn new(
         parameters: &Parameters,
@@ -59,7 +60,7 @@ impl HobbyServoPlant {
             servo.stall_torque *= 1.0 + mismatch.torque_constant[j];
             Axis {
                 servo,
-                home: parameters.settings.axes[j].home_angle.into(),
+                home: f64::from(parameters.settings.axes[j].home_angle) + mismatch.home_error[j],
                 units: 0,
                 until_pulse: 0.0,
                 pulse: None,

@@ -1,12 +1,28 @@
 //! Runs on an arm with hobby servos. Their controller is that of stepper drives, whose micro-steps are units of the timer
 //! that makes the pulses: it takes the place that a servo is told for the place where it is.
 
-use super::{RunError, SimulatedArm, check_mismatch, start_pose};
+use super::{RunError, ServoLimits, SimulatedArm, check_mismatch, start_pose};
+use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
 use fivebar_firmware::{ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{HobbyServo, HobbyServoPlant, PlantFault};
+
+/// What this robot's servos leave of any drawing.
+pub(super) fn limits(robot: &Robot) -> Option<ServoLimits> {
+    let servos = robot.hobby_servos()?;
+    let [l1, l2, l3, l4, _] = robot.geometry.lengths();
+    let worse = |[one, other]: [f64; 2]| one.max(other);
+    let leg = [l1 + l2, l3 + l4];
+    Some(ServoLimits {
+        dead_band_m: worse(Joint::ALL.map(|j| {
+            let servo = &servos[j];
+            leg[j.index()] * servo.dead_angle() / servo.gear_ratio.abs()
+        })),
+        late_s: worse(servos.map(|servo| servo.longest_delay() + servo.lag())),
+    })
+}
 
 /// The simulated arm, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors: a hand has put it near its
 /// home angles.

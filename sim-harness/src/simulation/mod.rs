@@ -17,7 +17,7 @@ pub use can_bus::ArmOnBus;
 pub use control_loop::{Record, Seen, Simulation, Watch};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
 pub use joints::{JointHistory, PeakForce};
-pub use summary::{LearningSummary, RunErrors, Summary, TipError, fault_name};
+pub use summary::{LearningSummary, RunErrors, ServoLimits, Summary, TipError, fault_name};
 pub use trace::{Sample, Trace};
 
 use crate::link::{InProcess, Target, TargetError};
@@ -346,6 +346,7 @@ fn run<P: SimulatedArm>(
             .map(|(_, fault)| fault_name(*fault))
             .collect(),
         lost_steps: record.lost_steps,
+        hobby_servos: hobby_servos::limits(&scenario.robot),
         ..Summary::default()
     };
     Ok((summary, record))

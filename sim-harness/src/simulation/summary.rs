@@ -67,6 +67,15 @@ pub struct LearningSummary {
     pub forgotten: Option<String>,
 }
 
+/// How far hobby servos are from their set-points, whatever their controller does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ServoLimits {
+    /// The dead band at the tool with a straight leg, of the worse joint [m].
+    pub dead_band_m: f64,
+    /// The longest time from a set-point until the joint is there, of the worse joint [s].
+    pub late_s: f64,
+}
+
 /// The figures of a run: `summary.json`, and the last line with `--json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
@@ -99,6 +108,9 @@ pub struct Summary {
     /// Full steps that each stepper has lost, of the simulated motors themselves; none on an arm without steppers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_steps: Option<[i64; 2]>,
+    /// What the servos leave of any drawing; none on an arm without hobby servos.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hobby_servos: Option<ServoLimits>,
     /// The errors with each mismatch alone, if those runs were made.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub by_cause: Vec<CauseError>,

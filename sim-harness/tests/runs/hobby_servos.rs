@@ -58,6 +58,10 @@ fn the_demonstration_is_drawn_within_the_dead_band_and_the_way_of_the_delay() {
     let (summary, record) = run(&scenario);
     assert!(record.faults.is_empty(), "{:?}", record.faults);
     assert_eq!(summary.lost_steps, None);
+    let limits = summary.hobby_servos.unwrap();
+    // 5 µs of 2 ms for π; a frame, the longest pulse, and the loop's 0.15 rad over 10.5 rad/s.
+    assert!((limits.dead_band_m - 0.2 * 0.0025 * std::f64::consts::PI).abs() < 1e-9);
+    assert!((limits.late_s - (0.02 + 0.0025 + 0.15 / 10.5)).abs() < 1e-12);
     let [servo, _] = scenario.robot.hobby_servos().unwrap();
     let (found, expected) = (greatest_error(&record), expected_error(&servo, &record));
     assert!(found < expected, "{found} rad, {expected} expected");

@@ -205,3 +205,30 @@ fn a_mismatch_that_is_not_valid_is_refused_with_line_key_and_remedy() {
         assert!(message.contains("give each [[actuator]]"), "{message}");
     }
 }
+
+#[test]
+fn what_hobby_servos_do_not_have_is_refused_with_its_line() {
+    let refused = |keys: &str| scenario_on("classroom_servo", keys).unwrap_err();
+    for (keys, words) in [
+        (
+            "cogging = [1e-3, 0.0]",
+            "and this arm has hobby servos: leave it out",
+        ),
+        ("supply_resistance = 0.1", "and this arm has hobby servos"),
+        ("[wiring]\nmotors_swapped = true", "and this arm has hobby servos"),
+        (
+            "link_mass = 0.1\n[[fault]]\nat = 0.5\nkind = 'encoder_dead'\njoint = 1",
+            "is of motors with encoders, and this arm has hobby servos",
+        ),
+        (
+            "link_mass = 0.1\n[[fault]]\nat = 0.5\nkind = 'step_lost'\njoint = 1\nsteps = 2",
+            "needs an arm with steppers",
+        ),
+    ] {
+        let message = refused(keys);
+        assert!(message.contains("case.toml, line "), "{keys}: {message}");
+        assert!(message.contains(words), "{keys}: {message}");
+    }
+    let keys = "home_error = [0.02, -0.02]\n[[fault]]\nat = 0.5\nkind = 'motor_stalled'\njoint = 4";
+    scenario_on("classroom_servo", keys).unwrap();
+}

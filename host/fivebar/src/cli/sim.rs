@@ -9,7 +9,9 @@ use fivebar_files::job::Job;
 use fivebar_files::scenario::Scenario;
 use fivebar_report::pages::RunReport;
 use fivebar_report::text::{self, conditions, fault_and_next_step, quantity, stopped_by};
-use fivebar_sim::simulation::{CauseError, Record, RunError, Simulate, Summary, TipError};
+use fivebar_sim::simulation::{
+    CauseError, Record, RunError, ServoLimits, Simulate, Summary, TipError,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Simulates a job from power-up to its end and writes a report.
@@ -171,6 +173,16 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
     ))?;
     if let Some([lost1, lost4]) = summary.lost_steps {
         say(format_args!("  lost steps  {lost1} and {lost4} full steps"))?;
+    }
+    if let Some(ServoLimits {
+        dead_band_m,
+        late_s,
+    }) = summary.hobby_servos
+    {
+        let [dead_band, late] = [quantity(dead_band_m, "m"), quantity(late_s, "s")];
+        say(format_args!(
+            "  servos      dead band {dead_band} with a straight leg, late by up to {late}; docs/verify/hobby-servos.md"
+        ))?;
     }
     let stride = record.trace.stride();
     if stride > 1 {
