@@ -185,7 +185,7 @@ impl ServoMotor {
     /// An MG90S, classroom_servo's.
     pub const TYPICAL: Self = Self {
         pulse_range: [0.5e-3, 2.5e-3],
-        travel: 3.1416,
+        travel: PI,
         max_speed: 10.5,
         stall_torque: 0.177,
         dead_band: 5e-6,

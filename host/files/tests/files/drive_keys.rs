@@ -215,7 +215,10 @@ fn what_hobby_servos_do_not_have_is_refused_with_its_line() {
             "and this arm has hobby servos: leave it out",
         ),
         ("supply_resistance = 0.1", "and this arm has hobby servos"),
-        ("[wiring]\nmotors_swapped = true", "and this arm has hobby servos"),
+        (
+            "[wiring]\nmotors_swapped = true",
+            "and this arm has hobby servos",
+        ),
         (
             "link_mass = 0.1\n[[fault]]\nat = 0.5\nkind = 'encoder_dead'\njoint = 1",
             "is of motors with encoders, and this arm has hobby servos",

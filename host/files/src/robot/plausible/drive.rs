@@ -73,43 +73,12 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
     let voltage = robot.supply.voltage;
     let peak_torque = motor.peak_torque();
     let stall = voltage / motor.resistance;
-    let braking = motor.torque_constant.powi(2) / motor.resistance;
     let mut rules = match (&motor.can, &motor.hobby_servo) {
         (Some(drive), _) => torque_drive(robot, joint, motor, drive),
         (None, Some(servo)) => hobby_servo(robot, joint, motor, servo),
         (None, None) => electrics(robot, joint, motor, stall),
     };
-    rules.push(match (&motor.stepper, &motor.can) {
-        (None, None) if let Some(servo) = &motor.hobby_servo => Plausible::new(
-            key("rotor_inertia"),
-            (motor.rotor_inertia, "kg·m²"),
-            MECHANICAL.map(|seconds| seconds * servo.stall_torque / servo.max_speed),
-            "the mechanical time constant, times `max_speed` over `stall_torque`, is 5e-5 to 1 s",
-        ),
-        (None, None) => Plausible::new(
-            key("rotor_inertia"),
-            (motor.rotor_inertia, "kg·m²"),
-            MECHANICAL.map(|seconds| seconds * braking),
-            "the mechanical time constant, times `resistance` over the square of `torque_constant`, is \
-             5e-5 to 1 s",
-        )
-        .or_zero(),
-        (None, Some(drive)) => Plausible::new(
-            key("rotor_inertia"),
-            (motor.rotor_inertia, "kg·m²"),
-            ROTOR.map(|acceleration| drive.peak_torque / acceleration),
-            "the `peak_torque` accelerates the rotor alone by 300 to 1e6 rad/s²",
-        )
-        .or_zero(),
-        (Some(stepper), _) => {
-            Plausible::new(
-                key("rotor_inertia"),
-                (motor.rotor_inertia, "kg·m²"),
-                NATURAL.map(|hertz| stepper.motor.inertia_at(hertz)),
-                "the rotor alone swings at 20 to 2000 Hz about a step of the `holding_torque`",
-            )
-        }
-    });
+    rules.push(rotor(joint, motor));
     rules.extend([
         Plausible::new(
             key("viscous_friction"),
@@ -230,6 +199,45 @@ fn torque_drive(
         ),
     ]);
     rules
+}
+
+/// The inertia of a rotor.
+fn rotor(joint: Joint, motor: &Actuator) -> Plausible {
+    let key = |name| Key::Of("actuator", joint.index(), name);
+    let braking = motor.torque_constant.powi(2) / motor.resistance;
+    if let Some(servo) = &motor.hobby_servo {
+        return Plausible::new(
+            key("rotor_inertia"),
+            (motor.rotor_inertia, "kg·m²"),
+            MECHANICAL.map(|seconds| seconds * servo.stall_torque / servo.max_speed),
+            "the mechanical time constant, times `max_speed` over `stall_torque`, is 5e-5 to 1 s",
+        );
+    }
+    match (&motor.stepper, &motor.can) {
+        (None, None) => Plausible::new(
+            key("rotor_inertia"),
+            (motor.rotor_inertia, "kg·m²"),
+            MECHANICAL.map(|seconds| seconds * braking),
+            "the mechanical time constant, times `resistance` over the square of `torque_constant`, is \
+             5e-5 to 1 s",
+        )
+        .or_zero(),
+        (None, Some(drive)) => Plausible::new(
+            key("rotor_inertia"),
+            (motor.rotor_inertia, "kg·m²"),
+            ROTOR.map(|acceleration| drive.peak_torque / acceleration),
+            "the `peak_torque` accelerates the rotor alone by 300 to 1e6 rad/s²",
+        )
+        .or_zero(),
+        (Some(stepper), _) => {
+            Plausible::new(
+                key("rotor_inertia"),
+                (motor.rotor_inertia, "kg·m²"),
+                NATURAL.map(|hertz| stepper.motor.inertia_at(hertz)),
+                "the rotor alone swings at 20 to 2000 Hz about a step of the `holding_torque`",
+            )
+        }
+    }
 }
 
 /// What a hobby servo can.
