@@ -244,6 +244,33 @@ fn no_pulse_leaves_the_range_of_the_widths() {
 }
 
 #[test]
+fn the_torque_is_that_of_the_motor_at_a_voltage_of_the_supply() {
+    let mut noise = Noise::new(3);
+    for _ in 0..10_000 {
+        let mut within = |most: f64| most * (2.0 * noise.uniform() - 1.0);
+        let (error, speed) = (within(0.3), within(1.2 * SERVO.max_speed));
+        let supply = 1.0 + within(0.3);
+        let torque = SERVO.torque(error, speed, supply);
+        let back_emf = speed / SERVO.max_speed;
+        let voltage = torque / SERVO.stall_torque + back_emf;
+        assert!(
+            voltage.abs() <= supply + 1e-12,
+            "{error} {speed}: {voltage}"
+        );
+        // A shorted motor brakes.
+        if error.abs() <= SERVO.dead_angle() {
+            assert!(voltage.abs() < 1e-12, "{error} {speed}: {voltage}");
+        }
+        // A joint that rests beyond the dead band is driven to its set-point, the more the farther it is.
+        let at_rest = |error: f64| SERVO.torque(error, 0.0, supply);
+        assert!(at_rest(error) * error >= 0.0);
+        assert!(at_rest(1.1 * error.abs()) >= at_rest(error.abs()));
+        let mirrored = SERVO.torque(-error, -speed, supply);
+        assert!((mirrored + torque).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn a_unit_of_the_timer_is_its_share_of_the_travel() {
     assert_eq!(SERVO.units_per_turn(), 8000.0);
     assert!((unit(&SERVO) - PI / 4000.0).abs() < 1e-15);

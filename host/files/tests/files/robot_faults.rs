@@ -356,6 +356,31 @@ fn hobby_servos_are_refused_what_they_cannot_do_with_the_way_out() {
     );
 }
 
+/// A motion takes half of the torque that a servo has at its joint's greatest speed, by the controller's own limits.
+#[test]
+fn the_controller_plans_with_a_share_of_the_torque_that_a_servo_has_at_speed() {
+    for (share, speed) in [(0.5, 3.0), (0.3, 6.0)] {
+        let text = plotter(
+            "max_speed = [3.0, 3.0]",
+            &format!("max_speed = [2.0, {speed:?}]"),
+        );
+        let text = text.replace(
+            "travel = 3",
+            &format!("torque_share = {share:?}\ntravel = 3"),
+        );
+        let robot = Robot::parse("arm.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        let settings = robot.settings().unwrap();
+        let usual = Robot::parse("arm.toml", BUILT_IN[0].text).unwrap();
+        let usual = usual.settings().unwrap().advanced.motion_torque;
+        let at_speed = 1.0 - speed / 10.5;
+        assert!((settings.advanced.motion_torque / usual - at_speed as f32).abs() < 1e-6);
+        for axis in &settings.axes {
+            let torque = f64::from(axis.peak_current * axis.torque_constant);
+            assert!((torque - share * 0.177).abs() < 1e-6, "{torque}");
+        }
+    }
+}
+
 /// The simulated servo is at the width that its robot file means, whichever way it turns.
 #[test]
 fn the_width_at_home_follows_from_the_angle_at_the_middle_of_the_widths() {
