@@ -97,7 +97,7 @@ impl Scenario {
                 let moves = scenario.run_moves(&job)?;
                 scenario.run_on(&mut target, &moves, &mut |_| ())?
             } else {
-                // Steppers and drives on a bus have links of their own.
+                // Steppers, hobby servos and drives on a bus have links of their own.
                 scenario.simulate(&job, &mut |_| ())?
             };
             if compare_pid {
