@@ -68,8 +68,8 @@ chip() { scripts/chip.sh; }
 bring_up() { scripts/bring_up.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \
-        --test images --test instructions --test emulated_boards --test emulated_faults --test emulated_homing \
-        --test emulated_port --test production_image --test stack --test live_page
+        --test images --test instructions --test emulated_boards --test emulated_drives --test emulated_faults \
+        --test emulated_homing --test emulated_port --test production_image --test stack --test live_page
     cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
 }
 # Builds the fuzz targets and runs each over its committed inputs.

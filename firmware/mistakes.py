@@ -157,7 +157,7 @@ MISTAKES = [
     ("default settings saved", "session/mod.rs", "        if !self.has_settings {\n            return Err(CommandError::NoSettings);\n        }\n        board", "        board"),
     ("homing on default settings", "session/mod.rs", "matches!(request, Request::Arm | Request::Home | Request::Excite(_))", "matches!(request, Request::Arm | Request::Excite(_))"),
     ("a repeated command executed again", "session/mod.rs", "SequenceCheck::Next => {", "SequenceCheck::Next | SequenceCheck::Repeat => {", "            SequenceCheck::Repeat => Some(host.reply.clone()),\n", ""),
-    ("an early command executed", "session/mod.rs", "SequenceCheck::Next => {", "SequenceCheck::Next | SequenceCheck::Gap => {", "            SequenceCheck::Gap => {\n                let next = CommandError::OutOfSequence(host.last.next());\n                reply(sequence, Reply::Refused(next))\n            }\n", ""),
+    ("an early command executed", "session/mod.rs", "SequenceCheck::Next => {", "SequenceCheck::Next | SequenceCheck::Gap => {", "            SequenceCheck::Gap => {\n                let next = CommandError::OutOfSequence(host.last.next());\n                reply::<C>(sequence, Reply::Refused(next))\n            }\n", ""),
     ("an emergency stop waits for its number", "session/mod.rs", "controller.lock(|controller| controller.latch_fault(Fault::EmergencyStop));", "let _ = Fault::EmergencyStop;"),
     ("a tick of the plant as a sign of life", "session/mod.rs", "if !matches!(command, HostCommand::Tick(_)) {", "{"),
     ("a host of another version accepted", "session/mod.rs", "if version != VERSION {", "if version == 0 && version != VERSION {"),

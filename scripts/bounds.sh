@@ -12,7 +12,7 @@ cargo test --quiet --package fivebar-bounds --features images
 
 if command -v llvm-objdump >/dev/null; then
     cargo build --quiet --package fivebar-bounds --example decode
-    for image in tick stm32f405 stm32f405_stepper stm32f405_can qemu; do
+    for image in tick stm32f405 stm32f405_stepper stm32f405_can qemu qemu_stepper qemu_can; do
         "$built/debug/examples/decode" "$images/$image" >"$built/decoded.txt"
         llvm-objdump --disassemble --triple=thumbv7em-none-eabihf --mcpu=cortex-m4 \
             --no-show-raw-insn --no-print-imm-hex "$images/$image" >"$built/disassembled.txt"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the images for the Cortex-M4F: the STM32F405 (stm32f405, stm32f405_stepper for
-# steppers, stm32f405_can for drives on a CAN bus), the emulated board (qemu) and
+# steppers, stm32f405_can for drives on a CAN bus), the emulated board (qemu, qemu_stepper, qemu_can) and
 # its benchmark. They go into target/firmware, separate from the desktop's artifacts. Then builds
 # the crate kinematics by itself, with and without its features: it needs only what the target has.
 set -euo pipefail

@@ -27,7 +27,7 @@ program() {
     rm -r "${folder:?}/$name"
 }
 
-# stm32f405, stm32f405_stepper and stm32f405_can are for the board, qemu for `fivebar pil`.
+# stm32f405, stm32f405_stepper and stm32f405_can are for the board, qemu, qemu_stepper and qemu_can for `fivebar pil`.
 images() {
     scripts/firmware.sh
     local toolchain copy name
@@ -35,7 +35,7 @@ images() {
     toolchain=$(rustc --print sysroot)
     copy=$toolchain/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')/bin/rust-objcopy
     export LD_LIBRARY_PATH=$toolchain/lib
-    for name in stm32f405 stm32f405_stepper stm32f405_can qemu; do
+    for name in stm32f405 stm32f405_stepper stm32f405_can qemu qemu_stepper qemu_can; do
         cp "$built/firmware/thumbv7em-none-eabihf/firmware/$name" "$folder/fivebar-$version-$name.elf"
         "$copy" -O ihex "$folder/fivebar-$version-$name.elf" "$folder/fivebar-$version-$name.hex"
         "$copy" -O binary "$folder/fivebar-$version-$name.elf" "$folder/fivebar-$version-$name.bin"

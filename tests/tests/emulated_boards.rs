@@ -1,8 +1,9 @@
 //! The firmware images running on QEMU.
 
 use fivebar::doctor::compare_outputs;
-use fivebar_files::robot::Robot;
+use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
+use fivebar_firmware::drives::BrushedDrives;
 use fivebar_firmware::protocol::{Board, HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Request, Settings, Status};
@@ -64,7 +65,8 @@ fn demonstrate_fast(share: f64, mismatch: Mismatch) {
     let job = scenario.job().expect("a valid job");
     let settings = scenario.robot.settings().expect("a robot with motors");
     let board = Emulator::start(&Emulator::built_image("qemu")).expect("an emulated board");
-    let (mut lockstep, _) = Lockstep::begin(board, &settings, &settings).expect("a start");
+    let (mut lockstep, _) =
+        Lockstep::<_, BrushedDrives>::begin(board, &settings, &settings).expect("a start");
     let moves = scenario.run_moves(&job).expect("a plan");
     let (summary, record) = scenario
         .run_on(&mut lockstep, &moves, &mut |_| ())
@@ -103,9 +105,12 @@ fn a_whole_time_optimal_job_of_an_identified_arm_has_the_bits_of_this_process() 
 
 #[test]
 fn the_doctor_tells_this_programs_image_from_another() {
-    let qemu = compare_outputs(&Emulator::built_image("qemu"));
+    let compare = |image: &str| {
+        compare_outputs::<BrushedDrives>(&Emulator::built_image(image), BuiltIn::DEFAULT)
+    };
+    let qemu = compare("qemu");
     assert!(qemu.is_ok(), "{qemu:?}");
-    let other = compare_outputs(&Emulator::built_image("stm32f405"));
+    let other = compare("stm32f405");
     let reason = other.expect_err("it makes its own ticks").to_string();
     assert!(
         reason.contains("needs a board with the image `qemu`"),
@@ -129,7 +134,7 @@ fn a_gain_changed_on_one_side_is_found() {
     let (lockstep, ..) = run(|twin| twin.control.bandwidth *= 1.001);
     let difference = lockstep.first_difference().expect("other bits");
     assert!(
-        ["duty", "current_demand"].contains(&difference.field),
+        ["duties", "current_demand"].contains(&difference.field),
         "{difference:?}"
     );
 }

@@ -2,7 +2,7 @@
 //!
 //! A board is a folder here. It holds the drivers of its registers and its program, `image.rs`, which
 //!
-//! - gives the controller a [`SensorSample`] at each tick, and its [`ActuatorCommand`] to the bridges or, where
+//! - gives the controller an [`ArmSample`] at each tick, and its [`ArmCommand`] to the drives or, where
 //!   the host steps the ticks, to the host;
 //! - carries bytes to and from the [session](crate::session), and implements [`Board`] for it;
 //! - keeps the controller behind a lock, as [`SharedController`]; on a core with RTIC that is `Exchanged`;
@@ -28,17 +28,18 @@ pub mod stack;
 pub mod stm32f405;
 
 use crate::controller::ArmController;
-use crate::drives::{BrushedDrives, Drives};
+use crate::drives::{BrushedCommand, BrushedDrives, BrushedSample, Drives};
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse};
 use crate::recorder::Recorder;
 use crate::safety::State;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::StorageError;
-use crate::{ActuatorCommand, SensorSample, Settings};
+use crate::{ArmCommand, ArmSample, SensorSample, Settings};
 use rtic_core::Mutex;
 
-/// What the session needs from its board, whose controller is that of an arm with these drives.
-pub trait Board<D: Drives = BrushedDrives> {
+/// What the session needs from its board, whose controller is that of an arm with these drives. Where the host steps the ticks,
+/// each has a sample with `S` and a command with `C`.
+pub trait Board<D: Drives = BrushedDrives, S = BrushedSample, C = BrushedCommand> {
     /// Stores settings for the next start. They are those in use, so they were checked.
     ///
     /// # Errors
@@ -58,8 +59,8 @@ pub trait Board<D: Drives = BrushedDrives> {
     fn tick(
         &mut self,
         controller: &mut ArmController<D>,
-        sample: &SensorSample,
-    ) -> Option<(ActuatorCommand, u32)>;
+        sample: &ArmSample<S>,
+    ) -> Option<(ArmCommand<C>, u32)>;
 
     /// How much of the stack has been used; `None` where that is not measured.
     fn stack(&self) -> Option<StackUse> {

@@ -13,6 +13,7 @@
 mod brushed;
 pub mod can;
 mod excitation;
+mod interface;
 mod lead;
 mod slip;
 mod step;
@@ -23,6 +24,7 @@ use crate::settings::{CheckedSettings, Settings};
 pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
 use fivebar_kinematics::five_bar::Joint;
+pub use interface::DriveInterface;
 pub use step::{Resolution, StepCommand, StepDrives, StepSample};
 pub use torque::{
     DriveHealth, DriveStiffness, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,

@@ -11,6 +11,12 @@ pub fn encode<M: Message>(message: &M) -> Option<Frame> {
     let (sender, rest) = content.split_first_mut()?;
     *sender = M::SENDER as u8;
     let checked = 1 + postcard::to_slice(message, rest).ok()?.len();
+    seal(&mut content, checked)
+}
+
+/// The frame of the content that is in the first bytes, so many, with its checksum. The same for all messages.
+#[inline(never)]
+fn seal(content: &mut [u8; MAX_CONTENT], checked: usize) -> Option<Frame> {
     let crc = CRC.checksum(content.get(..checked)?).to_le_bytes();
     let whole = checked + CRC_BYTES;
     content.get_mut(checked..whole)?.copy_from_slice(&crc);

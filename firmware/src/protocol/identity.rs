@@ -23,7 +23,7 @@ pub struct Identity {
 pub enum Board {
     /// In the host's own process.
     Desktop,
-    /// An emulated Cortex-M4F whose sensors and bridges are frames.
+    /// An emulated Cortex-M4F for brushed motors: sensors and bridges are frames.
     Emulated,
     /// An STM32F405 that drives brushed motors.
     Stm32f405,
@@ -31,6 +31,10 @@ pub enum Board {
     Stm32f405Stepper,
     /// An STM32F405 with torque drives on its CAN bus.
     Stm32f405Can,
+    /// An emulated Cortex-M4F for steppers: micro-steps are frames.
+    EmulatedStepper,
+    /// An emulated Cortex-M4F for torque drives on a CAN bus: those of the bus are in frames.
+    EmulatedCan,
 }
 
 /// Why a controller started.

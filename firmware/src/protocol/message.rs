@@ -4,26 +4,28 @@ use super::board_test::BoardTest;
 use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
+use crate::drives::BrushedSample;
 use crate::recorder::LogConfig;
-use crate::{Move, Request, SensorSample};
+use crate::{ArmSample, Move, Request};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// One host command with its number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HostMessage {
+pub struct HostMessage<S = BrushedSample> {
     /// One more than the last command's number, or the same if its reply did not come.
     pub sequence: Sequence,
     /// The command.
-    pub command: HostCommand,
+    pub command: HostCommand<S>,
 }
 
-impl Message for HostMessage {
+impl<S: Serialize + DeserializeOwned> Message for HostMessage<S> {
     const SENDER: Sender = Sender::Host;
 }
 
 /// What a host can command the controller to do.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum HostCommand {
+pub enum HostCommand<S = BrushedSample> {
     /// Begins a session: commands are counted from this one's number on. The controller forgets
     /// the session before, and telemetry stops.
     Hello {
@@ -56,7 +58,7 @@ pub enum HostCommand {
         every: u16,
     },
     /// Emulated boards only: run the next tick on this sample.
-    Tick(SensorSample),
+    Tick(ArmSample<S>),
     /// Report how much of the stack has been used since the reset.
     Stack,
     /// Report the sensor sample of the last tick, in any state.

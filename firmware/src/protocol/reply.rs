@@ -8,32 +8,34 @@ use super::sequence::Sequence;
 use super::step_result::StepResult;
 use crate::SensorSample;
 use crate::controller::{self, ExcitationEnd, Snapshot, Status};
+use crate::drives::BrushedCommand;
 use crate::planner::MoveError;
 use crate::recorder::LogPage;
 use crate::storage::StorageError;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// A reply to a command, or a sample of telemetry.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum ControllerMessage {
+pub enum ControllerMessage<C = BrushedCommand> {
     /// The reply to a command.
     Reply {
         /// The command's number.
         sequence: Sequence,
         /// The reply.
-        reply: Reply,
+        reply: Reply<C>,
     },
     /// A sample.
     Telemetry(Telemetry),
 }
 
-impl Message for ControllerMessage {
+impl<C: Serialize + DeserializeOwned> Message for ControllerMessage<C> {
     const SENDER: Sender = Sender::Controller;
 }
 
 /// The reply to a command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Reply {
+pub enum Reply<C = BrushedCommand> {
     /// The command was not executed; nothing has changed.
     Refused(CommandError),
     /// Done, or begun if it takes time: the status shows when it has ended.
@@ -57,7 +59,7 @@ pub enum Reply {
     /// To [`HostCommand::GetSection`](super::HostCommand::GetSection).
     Section(Section),
     /// To [`HostCommand::Tick`](super::HostCommand::Tick).
-    StepResult(StepResult),
+    StepResult(StepResult<C>),
     /// To [`HostCommand::Stack`](super::HostCommand::Stack).
     Stack(StackUse),
     /// To [`HostCommand::Sample`](super::HostCommand::Sample).

@@ -1,15 +1,16 @@
 //! The result of one tick of the emulated board.
 
+use crate::drives::BrushedCommand;
 use crate::safety::{Fault, State};
-use crate::{ActuatorCommand, Status};
+use crate::{ArmCommand, Status};
 use serde::{Deserialize, Serialize};
 
 /// The result of one tick: the actuator command, and the state and estimates behind it. Two
 /// controllers whose results have the same bits in every tick run identically.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StepResult {
+pub struct StepResult<C = BrushedCommand> {
     /// The actuator command.
-    pub command: ActuatorCommand,
+    pub command: ArmCommand<C>,
     /// Ticks since the reset.
     pub tick: u32,
     /// What the controller is doing after the tick.
@@ -28,9 +29,9 @@ pub struct StepResult {
     pub instructions: u32,
 }
 
-impl StepResult {
+impl<C> StepResult<C> {
     /// The result of the tick that gave `command`, with the controller's `status` after it.
-    pub fn new(command: ActuatorCommand, status: &Status, instructions: u32) -> Self {
+    pub fn new(command: ArmCommand<C>, status: &Status, instructions: u32) -> Self {
         Self {
             command,
             tick: status.tick,

@@ -9,7 +9,7 @@ mod start;
 
 use crate::board::{Board, SharedController};
 use crate::controller::{self, ArmController};
-use crate::drives::Drives;
+use crate::drives::{BrushedCommand, Drives};
 use crate::planner::Planner;
 use crate::protocol::{
     BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply,
@@ -21,6 +21,8 @@ use crate::{Request, Settings};
 use core::mem::MaybeUninit;
 use rtic_core::Mutex;
 use sampler::Sampler;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 pub use start::fault_at_start;
 
 /// Makes a session in its place, where it lasts as long as the program. A call of its own: so the caller's
@@ -73,12 +75,12 @@ impl Session {
     }
 
     /// Executes or refuses a command. Returns the frame of the reply, if the command gets one.
-    pub fn answer<D: Drives>(
+    pub fn answer<D: Drives, S: Copy, C: Serialize + DeserializeOwned>(
         &mut self,
-        message: &HostMessage,
+        message: &HostMessage<S>,
         controller: &mut impl SharedController<D>,
         planner: &mut Planner,
-        board: &mut impl Board<D>,
+        board: &mut impl Board<D, S, C>,
     ) -> Option<Frame> {
         let HostMessage { sequence, command } = *message;
         if !matches!(command, HostCommand::Tick(_)) {
@@ -91,7 +93,7 @@ impl Session {
         }
         if let HostCommand::Hello { version, session } = command {
             if version != VERSION {
-                return reply(sequence, Reply::Refused(CommandError::Version(VERSION)));
+                return reply::<C>(sequence, Reply::Refused(CommandError::Version(VERSION)));
             }
             if self
                 .host
@@ -99,11 +101,11 @@ impl Session {
                 .is_none_or(|host| host.session != session)
             {
                 self.begin_session();
-                return self.store_reply(session, sequence, Reply::Hello(self.identity));
+                return self.store_reply::<C>(session, sequence, Reply::Hello(self.identity));
             }
         }
         let Some(host) = &self.host else {
-            return reply(sequence, Reply::Refused(CommandError::NoSession));
+            return reply::<C>(sequence, Reply::Refused(CommandError::NoSession));
         };
         let session = host.session;
         match sequence.check_after(host.last) {
@@ -115,7 +117,7 @@ impl Session {
             SequenceCheck::Old => None,
             SequenceCheck::Gap => {
                 let next = CommandError::OutOfSequence(host.last.next());
-                reply(sequence, Reply::Refused(next))
+                reply::<C>(sequence, Reply::Refused(next))
             }
         }
     }
@@ -129,7 +131,8 @@ impl Session {
         let number = self.sampler.due(tick)?;
         let sample = controller.lock(|controller| controller.status_sample());
         let status = sample.solve(&self.in_use, self.in_use.tool());
-        encode(&ControllerMessage::Telemetry(Telemetry { number, status }))
+        let telemetry = Telemetry { number, status };
+        encode(&ControllerMessage::<BrushedCommand>::Telemetry(telemetry))
     }
 
     /// Clears the draft and the telemetry of the session before.
@@ -138,7 +141,12 @@ impl Session {
         self.sampler = Sampler::off();
     }
 
-    fn store_reply(&mut self, session: u32, last: Sequence, answer: Reply) -> Option<Frame> {
+    fn store_reply<C: Serialize + DeserializeOwned>(
+        &mut self,
+        session: u32,
+        last: Sequence,
+        answer: Reply<C>,
+    ) -> Option<Frame> {
         let frame = reply(last, answer)?;
         self.host = Some(Host {
             session,
@@ -148,13 +156,13 @@ impl Session {
         Some(frame)
     }
 
-    fn execute<D: Drives>(
+    fn execute<D: Drives, S, C>(
         &mut self,
-        command: HostCommand,
+        command: HostCommand<S>,
         controller: &mut impl SharedController<D>,
         planner: &mut Planner,
-        board: &mut impl Board<D>,
-    ) -> Reply {
+        board: &mut impl Board<D, S, C>,
+    ) -> Reply<C> {
         let outcome = match command {
             HostCommand::Hello { .. } => {
                 self.begin_session();
@@ -230,11 +238,11 @@ impl Session {
         outcome.unwrap_or_else(Reply::Refused)
     }
 
-    fn request<D: Drives>(
+    fn request<D: Drives, C>(
         &mut self,
         request: Request,
         controller: &mut impl SharedController<D>,
-    ) -> Result<Reply, CommandError> {
+    ) -> Result<Reply<C>, CommandError> {
         let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
         if powers && !self.has_settings {
             return Err(CommandError::NoSettings);
@@ -250,12 +258,12 @@ impl Session {
     /// Checks the draft and puts it to use in a new controller, which must be homed.
     // A call of its own: no other command takes its stack.
     #[inline(never)]
-    fn apply_settings<D: Drives>(
+    fn apply_settings<D: Drives, S, C>(
         &mut self,
         controller: &mut impl SharedController<D>,
         planner: &mut Planner,
-        board: &mut impl Board<D>,
-    ) -> Result<Reply, CommandError> {
+        board: &mut impl Board<D, S, C>,
+    ) -> Result<Reply<C>, CommandError> {
         // By reference: copies of settings would take stack.
         let (true, Ok(settings)) = (fits(board, &self.draft), &self.draft.check()) else {
             return Err(CommandError::Settings);
@@ -270,11 +278,11 @@ impl Session {
     }
 
     /// Stores the settings in use, only with the bridges off: it may stall the core for seconds.
-    fn save_settings<D: Drives>(
+    fn save_settings<D: Drives, S, C>(
         &mut self,
         controller: &mut impl SharedController<D>,
-        board: &mut impl Board<D>,
-    ) -> Result<Reply, CommandError> {
+        board: &mut impl Board<D, S, C>,
+    ) -> Result<Reply<C>, CommandError> {
         match controller.lock(|controller| controller.state()) {
             State::Stopped => {}
             state => return Err(state_error(state)),
@@ -291,7 +299,7 @@ impl Session {
 
 /// Whether the board takes these settings.
 #[inline(never)]
-fn fits<D: Drives>(board: &impl Board<D>, settings: &Settings) -> bool {
+fn fits<D: Drives, S, C>(board: &impl Board<D, S, C>, settings: &Settings) -> bool {
     let limits = board.limits();
     limits.is_none_or(|limits| limits.check(settings).is_ok())
 }
@@ -302,11 +310,11 @@ fn state_error(state: State) -> CommandError {
 
 /// A step of the board's test. Those that stall the core or end in a reset need the bridges off; without
 /// an emergency stop at its pin, a bare board has latched a fault.
-fn test_board<D: Drives>(
+fn test_board<D: Drives, S, C>(
     test: BoardTest,
     controller: &mut impl SharedController<D>,
-    board: &mut impl Board<D>,
-) -> Result<Reply, CommandError> {
+    board: &mut impl Board<D, S, C>,
+) -> Result<Reply<C>, CommandError> {
     let (tick, state, fault) = controller.lock(|controller| {
         let fault = controller.fault().map(|snapshot| snapshot.fault);
         (controller.ticks(), controller.state(), fault)
@@ -329,6 +337,6 @@ fn free_slots(planner: &Planner) -> u8 {
     u8::try_from(planner.free_slots()).unwrap_or(u8::MAX)
 }
 
-fn reply(sequence: Sequence, reply: Reply) -> Option<Frame> {
+fn reply<C: Serialize + DeserializeOwned>(sequence: Sequence, reply: Reply<C>) -> Option<Frame> {
     encode(&ControllerMessage::Reply { sequence, reply })
 }

@@ -1,6 +1,7 @@
 //! The frame layer: a message arrives unchanged, or it is dropped.
 
 use crate::messages::{controller_message, host_message};
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, FrameError, HostCommand, HostMessage, MAX_CONTENT, MAX_FRAME,
     Message, Sequence, encode,
@@ -118,7 +119,7 @@ fn dropped_frames_are_counted_by_their_kind() {
     assert_eq!(feed(&[0, 2, b'H', 0]), [Err(FrameError::TooShort)]);
     let endless = [&[0u8][..], &[0xff; 400], &[0]].concat();
     assert_eq!(feed(&endless), [Err(FrameError::TooLong)]);
-    let echo = frame(&ControllerMessage::Reply {
+    let echo = frame(&ControllerMessage::<BrushedCommand>::Reply {
         sequence: Sequence(7),
         reply: fivebar_firmware::protocol::Reply::Done,
     });

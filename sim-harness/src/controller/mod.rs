@@ -9,4 +9,4 @@ mod source;
 pub use command_error::sentence;
 pub use pace::SpeedMeter;
 pub use session::Session;
-pub use source::{Connection, ControllerSource, OpenError, motors_of, open};
+pub use source::{Connection, ControllerSource, OpenError, open};

@@ -3,7 +3,7 @@
 use super::session::Session;
 use super::simulated::{self, SteppedArm};
 use crate::drive::{Drive, DriveError};
-use crate::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine};
+use crate::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine, motors_of};
 use crate::simulation::RunError;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::protocol::{Board, CommandError};
@@ -61,15 +61,6 @@ pub enum OpenError {
     Settings(#[from] SettingsError),
 }
 
-/// What a controller on this board drives.
-pub fn motors_of(board: Board) -> &'static str {
-    match board {
-        Board::Desktop | Board::Emulated | Board::Stm32f405 => "brushed motors",
-        Board::Stm32f405Stepper => "steppers",
-        Board::Stm32f405Can => "drives on a CAN bus",
-    }
-}
-
 /// A stream of bytes to a controller.
 pub trait Connection: Read + Write + Send {}
 impl<L: Read + Write + Send> Connection for L {}
@@ -98,7 +89,10 @@ pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, Str
                 Some(SteppedArm::new(robot)?),
             )
         }
-        board @ (Board::Stm32f405Stepper | Board::Stm32f405Can) => {
+        board @ (Board::Stm32f405Stepper
+        | Board::Stm32f405Can
+        | Board::EmulatedStepper
+        | Board::EmulatedCan) => {
             return Err(OpenError::ForOthers(motors_of(board)));
         }
         Board::Desktop | Board::Stm32f405 => {

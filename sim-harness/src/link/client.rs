@@ -2,13 +2,18 @@
 //! repeats it until the reply arrives.
 
 use super::READ;
+use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, LinkCounts,
     Reply, SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION, encode,
 };
-use fivebar_firmware::{SensorSample, Settings, Status};
+use fivebar_firmware::{ArmSample, SensorSample, Settings, Status};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
+use std::fmt::Debug;
 use std::io::{self, ErrorKind, Read, Write};
+use std::marker::PhantomData;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -31,17 +36,18 @@ fn waits() -> impl Iterator<Item = Duration> {
 }
 
 /// A client of a controller over the connection `L`, whose reads time out
-/// ([`ErrorKind::TimedOut`]).
+/// ([`ErrorKind::TimedOut`]). In lockstep, it sends samples of drives `S` and gets their commands `C`.
 #[derive(Debug)]
-pub struct Client<L> {
+pub struct Client<L, S = BrushedSample, C = BrushedCommand> {
     line: L,
-    decoder: Decoder<ControllerMessage>,
+    decoder: Decoder<ControllerMessage<C>>,
     last: Sequence,
     telemetry: VecDeque<Telemetry>,
     unread: VecDeque<u8>,
     repeats: u32,
     /// The time by which it waits for replies, from any beginning.
     clock: fn(&L) -> Duration,
+    sample: PhantomData<fn(S)>,
 }
 
 /// Why there is no usable reply.
@@ -80,7 +86,7 @@ impl<L: Read + Write> Client<L> {
     /// # Errors
     /// A silent controller, a failed connection, or another version of the protocol.
     pub fn open(line: L) -> Result<(Self, Identity), LinkError> {
-        Self::open_with_clock(line, computer_time)
+        Self::open_in_lockstep(line)
     }
 
     /// As [`Client::open`], with waits by the time of a simulated controller: a computer that is too
@@ -92,6 +98,25 @@ impl<L: Read + Write> Client<L> {
         line: L,
         clock: fn(&L) -> Duration,
     ) -> Result<(Self, Identity), LinkError> {
+        Self::begin(line, clock)
+    }
+}
+
+impl<L, S, C> Client<L, S, C>
+where
+    L: Read + Write,
+    S: Copy + Debug + Serialize + DeserializeOwned,
+    C: Debug + Serialize + DeserializeOwned,
+{
+    /// As [`Client::open`], to a board of these drives whose ticks the host steps.
+    ///
+    /// # Errors
+    /// As [`Client::open`].
+    pub fn open_in_lockstep(line: L) -> Result<(Self, Identity), LinkError> {
+        Self::begin(line, computer_time)
+    }
+
+    fn begin(line: L, clock: fn(&L) -> Duration) -> Result<(Self, Identity), LinkError> {
         let mut client = Self {
             line,
             decoder: Decoder::new(),
@@ -100,6 +125,7 @@ impl<L: Read + Write> Client<L> {
             unread: VecDeque::new(),
             repeats: 0,
             clock,
+            sample: PhantomData,
         };
         let hello = HostCommand::Hello {
             version: VERSION,
@@ -117,7 +143,7 @@ impl<L: Read + Write> Client<L> {
     ///
     /// # Errors
     /// A silent controller or a failed connection.
-    pub fn call(&mut self, command: HostCommand) -> Result<Reply, LinkError> {
+    pub fn call(&mut self, command: HostCommand<S>) -> Result<Reply<C>, LinkError> {
         let sequence = self.last.next();
         let message = HostMessage { sequence, command };
         let frame = encode(&message).ok_or_else(|| {
@@ -140,7 +166,10 @@ impl<L: Read + Write> Client<L> {
     /// # Errors
     /// A silent controller, a failed connection or an unexpected reply. A refusal is the
     /// inner error.
-    pub fn command(&mut self, command: HostCommand) -> Result<Result<(), CommandError>, LinkError> {
+    pub fn command(
+        &mut self,
+        command: HostCommand<S>,
+    ) -> Result<Result<(), CommandError>, LinkError> {
         match self.call(command)? {
             Reply::Done | Reply::Taken { .. } => Ok(Ok(())),
             Reply::Refused(error) => Ok(Err(error)),
@@ -155,7 +184,7 @@ impl<L: Read + Write> Client<L> {
     pub fn status(&mut self) -> Result<(Status, u8), LinkError> {
         match self.call(HostCommand::Status)? {
             Reply::Status { status, free } => Ok((status, free)),
-            other => Err(unexpected(&HostCommand::Status, &other)),
+            other => Err(unexpected(&HostCommand::<S>::Status, &other)),
         }
     }
 
@@ -163,7 +192,7 @@ impl<L: Read + Write> Client<L> {
     ///
     /// # Errors
     /// A silent controller, a failed connection, or a board with its own clock.
-    pub fn tick(&mut self, sample: SensorSample) -> Result<StepResult, LinkError> {
+    pub fn tick(&mut self, sample: ArmSample<S>) -> Result<StepResult<C>, LinkError> {
         let command = HostCommand::Tick(sample);
         match self.call(command)? {
             Reply::StepResult(result) => Ok(result),
@@ -179,7 +208,7 @@ impl<L: Read + Write> Client<L> {
         match self.call(HostCommand::Stack)? {
             Reply::Stack(used) => Ok(Some(used)),
             Reply::Refused(CommandError::Unsupported) => Ok(None),
-            other => Err(unexpected(&HostCommand::Stack, &other)),
+            other => Err(unexpected(&HostCommand::<S>::Stack, &other)),
         }
     }
 
@@ -192,7 +221,7 @@ impl<L: Read + Write> Client<L> {
         match self.call(HostCommand::Sample)? {
             Reply::Sample(sample) => Ok(Some(sample)),
             Reply::Refused(CommandError::Unsupported) => Ok(None),
-            other => Err(unexpected(&HostCommand::Sample, &other)),
+            other => Err(unexpected(&HostCommand::<S>::Sample, &other)),
         }
     }
 
@@ -259,7 +288,11 @@ impl<L: Read + Write> Client<L> {
     }
 
     /// The reply with this sequence number; none if it does not arrive within `wait`.
-    fn reply_to(&mut self, sequence: Sequence, wait: Duration) -> Result<Option<Reply>, LinkError> {
+    fn reply_to(
+        &mut self,
+        sequence: Sequence,
+        wait: Duration,
+    ) -> Result<Option<Reply<C>>, LinkError> {
         let deadline = (self.clock)(&self.line) + wait;
         // On a connection within this process reads take no time: count timed-out reads too.
         let max_idle_reads = wait.as_millis() / READ.as_millis();
@@ -279,7 +312,7 @@ impl<L: Read + Write> Client<L> {
     }
 
     /// The next whole message; none if a read times out first.
-    fn next_message(&mut self) -> Result<Option<ControllerMessage>, LinkError> {
+    fn next_message(&mut self) -> Result<Option<ControllerMessage<C>>, LinkError> {
         while let Some(byte) = self.unread.pop_front() {
             if let Some(Ok(message)) = self.decoder.feed(byte) {
                 return Ok(Some(message));
@@ -312,7 +345,7 @@ fn new_session() -> u32 {
         .wrapping_add(std::process::id() << 16)
 }
 
-fn unexpected(command: &HostCommand, reply: &Reply) -> LinkError {
+fn unexpected(command: &impl Debug, reply: &impl Debug) -> LinkError {
     LinkError::UnexpectedReply {
         command: format!("{command:?}"),
         reply: format!("{reply:?}"),

@@ -2,19 +2,20 @@
 
 use super::{Target, TargetError};
 use fivebar_firmware::controller::{ArmController, Request};
-use fivebar_firmware::drives::{BrushedDrives, Drives};
+use fivebar_firmware::drives::{BrushedDrives, DriveInterface};
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{SettingsError, Share};
 use fivebar_firmware::{ArmCommand, ArmSample, Move, Settings, Status};
 
 /// The firmware's controller and planner, called directly.
-pub struct InProcess<D: Drives = BrushedDrives> {
-    controller: ArmController<D>,
+pub struct InProcess<I: DriveInterface = BrushedDrives> {
+    controller: ArmController<I::Drives>,
     planner: Planner,
+    link: I::Link,
 }
 
-impl<D: Drives> InProcess<D> {
+impl<I: DriveInterface> InProcess<I> {
     /// A controller with these settings, as after a reset.
     ///
     /// # Errors
@@ -24,26 +25,27 @@ impl<D: Drives> InProcess<D> {
         Ok(Self {
             controller: ArmController::new(&settings),
             planner: Planner::new(&settings),
+            link: I::link(&settings),
         })
     }
-}
 
-impl<D: Drives> InProcess<D> {
     /// The level, as a share, that an output of the tool stands for.
     pub(super) fn tool_level(&self, output: Share) -> f32 {
         self.controller.settings().tool_output.level(output)
     }
 }
 
-impl<D: Drives> Target<D> for InProcess<D> {
+impl<I: DriveInterface> Target<I> for InProcess<I> {
     fn tick(
         &mut self,
-        sample: &ArmSample<D::Sample>,
-    ) -> Result<(ArmCommand<D::Command>, Status), TargetError> {
+        sample: &ArmSample<I::Sample>,
+    ) -> Result<(ArmCommand<I::Command>, Status), TargetError> {
         // This call is the host's sign of life.
         self.controller.feed_host_timeout();
         self.planner.run(&mut self.controller);
-        let command = self.controller.tick(sample);
+        let sample = I::sense(&mut self.link, sample);
+        let command = self.controller.tick(&sample);
+        let command = I::command(&mut self.link, &command);
         Ok((command, self.controller.status()))
     }
 

@@ -2,24 +2,31 @@
 //! twin of the controller in this process gets the same inputs and must give outputs with
 //! the same bits.
 
-use super::{Client, InProcess, LinkError, Target, TargetError};
+use super::{Client, EmulatedDrives, InProcess, LinkError, Target, TargetError, motors_of};
 use fivebar_firmware::controller::Request;
+use fivebar_firmware::drives::BrushedDrives;
 use fivebar_firmware::planner::MoveErrorKind;
-use fivebar_firmware::protocol::{CommandError, HostCommand, Identity, Reply, StepResult};
+use fivebar_firmware::protocol::{
+    Board, CommandError, ControllerMessage, HostCommand, Identity, Reply, Sequence, StepResult,
+    encode,
+};
 use fivebar_firmware::settings::SettingsError;
-use fivebar_firmware::{ActuatorCommand, Move, SensorSample, Settings, Status};
+use fivebar_firmware::{ArmCommand, ArmSample, Move, Settings, Status};
 use serde::Serialize;
+use std::fmt::Debug;
 use std::io::{Read, Write};
 
-/// Number of ticks without another command after which the host requests the status, so that
-/// the controller does not consider it silent.
-const LONGEST_SILENCE: u32 = 400;
+/// Time of the ticks without another command after which the host requests the status, so that
+/// the controller does not consider it silent [s].
+const LONGEST_SILENCE: f32 = 0.04;
 
 /// A [`Target`] that runs each tick at the other end and in the twin, and compares them.
-pub struct Lockstep<L> {
-    client: Client<L>,
-    twin: InProcess,
+pub struct Lockstep<L, I: EmulatedDrives = BrushedDrives> {
+    client: Client<L, I::Sample, I::Command>,
+    twin: InProcess<I>,
     silence: u32,
+    /// [`LONGEST_SILENCE`] [ticks].
+    longest_silence: u32,
     instructions: Instructions,
     ticks: u64,
     first_difference: Option<Difference>,
@@ -63,31 +70,45 @@ pub enum LockstepError {
     /// The other end has its own clock.
     #[error(
         "this controller has its own clock, because it drives motors; a run in lockstep needs \
-         a board with the image `qemu`"
+         a board with the image `{0}`"
     )]
-    OwnClock,
+    OwnClock(&'static str),
+    /// The other end is for other motors.
+    #[error("this controller is for {0}; the run needs a board with the image `{1}`")]
+    ForOthers(&'static str, &'static str),
     /// The other end refuses the settings.
     #[error("the controller refuses the settings: {0:?}")]
     Refused(CommandError),
 }
 
-impl<L: Read + Write> Lockstep<L> {
+impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
     /// Sends `settings` to the other end and applies the settings `twin` to the twin. They
     /// are the same, except in tests that need a difference.
     ///
     /// # Errors
-    /// A silent controller, one with its own clock, or refused settings.
+    /// A silent controller, one with its own clock or for other motors, or refused settings.
     pub fn begin(
         line: L,
         settings: &Settings,
         twin: &Settings,
     ) -> Result<(Self, Identity), LockstepError> {
         let twin = InProcess::new(twin)?;
-        let (mut client, identity) = Client::open(line)?;
+        let (mut client, identity) = Client::open_in_lockstep(line)?;
+        let motors = motors_of(identity.board);
+        if motors != motors_of(I::BOARD) {
+            return Err(LockstepError::ForOthers(motors, I::IMAGE));
+        }
         // Checked before the settings change; applying settings resets what this tick did.
-        let tick = client.call(HostCommand::Tick(SensorSample::default()))?;
-        if tick == Reply::Refused(CommandError::Unsupported) {
-            return Err(LockstepError::OwnClock);
+        let is_stepped = match identity.board {
+            // They know samples of brushed motors only.
+            Board::Stm32f405 | Board::Stm32f405Stepper | Board::Stm32f405Can => false,
+            Board::Desktop | Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan => {
+                let tick = client.call(HostCommand::Tick(ArmSample::default()))?;
+                !matches!(tick, Reply::Refused(CommandError::Unsupported))
+            }
+        };
+        if !is_stepped {
+            return Err(LockstepError::OwnClock(I::IMAGE));
         }
         client
             .write_settings(settings)?
@@ -96,6 +117,7 @@ impl<L: Read + Write> Lockstep<L> {
             client,
             twin,
             silence: 0,
+            longest_silence: (LONGEST_SILENCE * settings.control.tick_rate) as u32,
             instructions: Instructions::default(),
             ticks: 0,
             first_difference: None,
@@ -119,11 +141,11 @@ impl<L: Read + Write> Lockstep<L> {
     }
 
     /// The client of the other end.
-    pub fn client(&mut self) -> &mut Client<L> {
+    pub fn client(&mut self) -> &mut Client<L, I::Sample, I::Command> {
         &mut self.client
     }
 
-    fn call(&mut self, command: HostCommand) -> Result<Reply, TargetError> {
+    fn call(&mut self, command: HostCommand<I::Sample>) -> Result<Reply<I::Command>, TargetError> {
         self.silence = 0;
         Ok(self.client.call(command)?)
     }
@@ -151,10 +173,13 @@ impl<L: Read + Write> Lockstep<L> {
     }
 }
 
-impl<L: Read + Write> Target for Lockstep<L> {
-    fn tick(&mut self, sample: &SensorSample) -> Result<(ActuatorCommand, Status), TargetError> {
+impl<L: Read + Write, I: EmulatedDrives> Target<I> for Lockstep<L, I> {
+    fn tick(
+        &mut self,
+        sample: &ArmSample<I::Sample>,
+    ) -> Result<(ArmCommand<I::Command>, Status), TargetError> {
         self.silence += 1;
-        if self.silence >= LONGEST_SILENCE {
+        if self.silence >= self.longest_silence {
             self.call(HostCommand::Status)?;
         }
         let there = match self.client.call(HostCommand::Tick(*sample))? {
@@ -165,7 +190,7 @@ impl<L: Read + Write> Target for Lockstep<L> {
         let here = StepResult::new(command, &status, there.instructions);
         self.ticks += 1;
         self.count(there.instructions);
-        self.note_difference(difference(&here, &there));
+        self.note_difference(difference::<I>(&here, &there));
         let status = Status {
             state: there.state,
             fault: there.fault,
@@ -215,28 +240,32 @@ impl<L: Read + Write> Target for Lockstep<L> {
     }
 }
 
-fn unexpected(reply: &Reply) -> TargetError {
+fn unexpected(reply: &impl Debug) -> TargetError {
     TargetError::Unexpected(format!("{reply:?}"))
 }
 
-fn text<T: std::fmt::Debug>(outcome: &Result<T, TargetError>) -> String {
+fn text<T: Debug>(outcome: &Result<T, TargetError>) -> String {
     match outcome {
         Ok(value) => format!("{value:?}"),
         Err(error) => error.to_string(),
     }
 }
 
-/// The first field whose bits differ: its name, its value here and its value there.
-fn difference(here: &StepResult, there: &StepResult) -> Option<(&'static str, String, String)> {
+/// The first field whose bits differ: its name, its value here and its value there. What goes to the drives is
+/// the last one.
+fn difference<I: EmulatedDrives>(
+    here: &StepResult<I::Command>,
+    there: &StepResult<I::Command>,
+) -> Option<(&'static str, String, String)> {
+    let frame = |&reply: &_| {
+        let (sequence, reply) = (Sequence(0), Reply::StepResult(reply));
+        encode(&ControllerMessage::Reply { sequence, reply })
+    };
+    if frame(here) == frame(there) {
+        return None;
+    }
     let bits = |pair: [f32; 2]| pair.map(f32::to_bits);
-    let tool = |result: &StepResult| result.tool.map(bits);
-    let pairs = [
-        ("duty", here.command.drives.duty, there.command.drives.duty),
-        ("angle", here.angle, there.angle),
-        ("velocity", here.velocity, there.velocity),
-        ("current_demand", here.current_demand, there.current_demand),
-    ];
-    let discrete = |result: &StepResult| {
+    let discrete = |result: &StepResult<I::Command>| {
         let StepResult {
             command,
             tick,
@@ -244,7 +273,7 @@ fn difference(here: &StepResult, there: &StepResult) -> Option<(&'static str, St
             fault,
             ..
         } = *result;
-        let ActuatorCommand {
+        let ArmCommand {
             enable,
             brake,
             tool,
@@ -260,15 +289,27 @@ fn difference(here: &StepResult, there: &StepResult) -> Option<(&'static str, St
             show(there),
         ));
     }
-    if tool(here) != tool(there) {
+    if here.tool.map(bits) != there.tool.map(bits) {
         return Some((
             "tool",
             format!("{:?}", here.tool),
             format!("{:?}", there.tool),
         ));
     }
-    pairs
+    let pairs = [
+        ("angle", here.angle, there.angle),
+        ("velocity", here.velocity, there.velocity),
+        ("current_demand", here.current_demand, there.current_demand),
+    ];
+    let pair = pairs
         .into_iter()
-        .find(|&(_, here, there)| bits(here) != bits(there))
-        .map(|(field, here, there)| (field, format!("{here:?}"), format!("{there:?}")))
+        .find(|&(_, here, there)| bits(here) != bits(there));
+    Some(match pair {
+        Some((field, here, there)) => (field, format!("{here:?}"), format!("{there:?}")),
+        None => (
+            I::OUTPUTS,
+            format!("{:?}", here.command.drives),
+            format!("{:?}", there.command.drives),
+        ),
+    })
 }

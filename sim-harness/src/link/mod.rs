@@ -6,6 +6,7 @@
 //! any controller through the trait [`Target`].
 
 mod client;
+mod emulated_drives;
 mod emulator;
 mod fault_injector;
 mod frames;
@@ -21,6 +22,7 @@ mod tracer;
 use std::time::Duration;
 
 pub use client::{Client, LinkError};
+pub use emulated_drives::{EmulatedDrives, motors_of};
 pub use emulator::{Emulator, EmulatorError};
 pub use fault_injector::{FaultInjector, FaultRates};
 pub use in_process::InProcess;

@@ -2,23 +2,23 @@
 
 use super::LinkError;
 use fivebar_firmware::controller::{Request, RequestError};
-use fivebar_firmware::drives::{BrushedDrives, Drives};
+use fivebar_firmware::drives::{BrushedDrives, DriveInterface};
 use fivebar_firmware::planner::MoveError;
 use fivebar_firmware::{ArmCommand, ArmSample, Move, Status};
 
-/// A controller of these drives, run in lockstep with a plant.
+/// A controller with this interface to its drives, run in lockstep with a plant.
 ///
 /// Its outputs depend only on its inputs and their order: two targets with the same inputs
 /// give the same bits.
-pub trait Target<D: Drives = BrushedDrives> {
+pub trait Target<I: DriveInterface = BrushedDrives> {
     /// Runs one tick on these samples; returns its outputs and the status after it.
     ///
     /// # Errors
     /// The controller does not reply.
     fn tick(
         &mut self,
-        sample: &ArmSample<D::Sample>,
-    ) -> Result<(ArmCommand<D::Command>, Status), TargetError>;
+        sample: &ArmSample<I::Sample>,
+    ) -> Result<(ArmCommand<I::Command>, Status), TargetError>;
 
     /// Makes a request of the controller.
     ///

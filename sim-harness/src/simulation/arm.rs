@@ -1,20 +1,26 @@
 //! What a run needs of a simulated arm, whatever turns its joints.
 
-use fivebar_firmware::drives::{BrushedDrives, Drives};
+use super::RunError;
+use fivebar_files::scenario::Scenario;
+use fivebar_firmware::drives::{BrushedDrives, DriveInterface};
 use fivebar_firmware::{ActuatorCommand, ArmCommand, ArmSample, SensorSample};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{Plant, PlantFault, WornJoints};
 
 /// A simulated arm with drives of one kind, one tick at a time. Index 0 of a pair is joint 1, index 1 joint 4.
 pub trait SimulatedArm {
-    /// The drives of its controller.
-    type Drives: Drives;
+    /// What it exchanges with its controller.
+    type Interface: DriveInterface;
 
     /// Samples all sensors at once.
-    fn sense(&mut self) -> ArmSample<<Self::Drives as Drives>::Sample>;
+    fn sense(&mut self) -> ArmSample<<Self::Interface as DriveInterface>::Sample>;
 
     /// Advances by one tick of `period` [s].
-    fn step(&mut self, command: &ArmCommand<<Self::Drives as Drives>::Command>, period: f64);
+    fn step(
+        &mut self,
+        command: &ArmCommand<<Self::Interface as DriveInterface>::Command>,
+        period: f64,
+    );
 
     /// Injects these faults at their times from now on.
     fn schedule_faults(&mut self, faults: &[PlantFault]);
@@ -42,8 +48,28 @@ pub trait SimulatedArm {
     }
 }
 
+/// Drives of a kind that a scenario's arm can have.
+pub trait SimulatedDrives: DriveInterface + Sized {
+    /// The arm with them.
+    type Arm: SimulatedArm<Interface = Self>;
+
+    /// The arm of this scenario, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors.
+    ///
+    /// # Errors
+    /// It has other drives, no masses or no home pose, or its mismatch does not fit.
+    fn arm(scenario: &Scenario) -> Result<Self::Arm, RunError>;
+}
+
+impl SimulatedDrives for BrushedDrives {
+    type Arm = Plant;
+
+    fn arm(scenario: &Scenario) -> Result<Plant, RunError> {
+        super::Simulate::plant(scenario)
+    }
+}
+
 impl SimulatedArm for Plant {
-    type Drives = BrushedDrives;
+    type Interface = BrushedDrives;
 
     fn sense(&mut self) -> SensorSample {
         Self::sense(self)

@@ -85,7 +85,7 @@ struct JobSums {
     squares: f64,
 }
 
-impl<'a, P: SimulatedArm, T: Target<P::Drives>> Simulation<'a, T, P> {
+impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
     /// A run before power-up; `tick_rate` is in Hz.
     pub fn new(target: &'a mut T, plant: P, tick_rate: f64) -> Self {
         Self {

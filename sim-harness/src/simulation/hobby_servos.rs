@@ -42,7 +42,7 @@ pub(super) fn plant(
 }
 
 impl SimulatedArm for HobbyServoPlant {
-    type Drives = StepDrives;
+    type Interface = StepDrives;
 
     fn sense(&mut self) -> ArmSample<StepSample> {
         Self::sense(self)

@@ -11,9 +11,8 @@ mod steppers;
 mod summary;
 mod trace;
 
-pub use arm::SimulatedArm;
+pub use arm::{SimulatedArm, SimulatedDrives};
 pub use by_cause::CauseError;
-pub use can_bus::ArmOnBus;
 pub use control_loop::{Record, Seen, Simulation, Watch};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
 pub use joints::{JointHistory, PeakForce};
@@ -25,6 +24,8 @@ use crate::time_optimal::{JobPlanner, TimeOptimalError};
 use fivebar_files::job::Job;
 use fivebar_files::robot::{HomeError, MissingMasses, NotBrushed, robot_file_message};
 use fivebar_files::scenario::{RefusedModeChange, RefusedMove, Scenario, ScenarioError};
+use fivebar_firmware::drives::can::BusDrives;
+use fivebar_firmware::drives::{BrushedDrives, StepDrives};
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
 use fivebar_kinematics::five_bar::Pose;
@@ -55,6 +56,9 @@ pub enum RunError {
     /// The robot has other drives, and the run is of brushed motors.
     #[error(transparent)]
     NotBrushed(#[from] NotBrushed),
+    /// The robot has no steppers.
+    #[error("robot `{0}` has no steppers: its drives are of another `kind`")]
+    NoSteppers(String),
     /// The robot's drives are on no bus.
     #[error("the drives of robot `{0}` are on no CAN bus: theirs is another `kind`")]
     NoBus(String),
@@ -140,9 +144,9 @@ pub trait Simulate {
     ///
     /// # Errors
     /// As [`Simulate::simulate`].
-    fn run_on(
+    fn run_on<I: SimulatedDrives>(
         &self,
-        target: &mut impl Target,
+        target: &mut impl Target<I>,
         moves: &[Move],
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError>;
@@ -223,62 +227,32 @@ impl Simulate for Scenario {
         job: &Job,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        if let Some(motors) = self.robot.steppers() {
-            let plant = steppers::plant(self, &motors)?;
-            let moves = self.run_moves(job)?;
-            return run(
-                self,
-                &mut steppers::controller(self)?,
-                plant,
-                &moves,
-                None,
-                progress,
-            );
-        }
-        if let Some(servos) = self.robot.hobby_servos() {
+        let (robot, moves) = (&self.robot, self.run_moves(job)?);
+        if robot.has_steppers() {
+            self.run_on::<StepDrives>(&mut controller(self)?, &moves, progress)
+        } else if let Some(servos) = robot.hobby_servos() {
             let plant = hobby_servos::plant(self, &servos)?;
-            let moves = self.run_moves(job)?;
-            return run(
-                self,
-                &mut steppers::controller(self)?,
-                plant,
-                &moves,
-                None,
-                progress,
-            );
+            let mut target = controller::<StepDrives>(self)?;
+            run(self, &mut target, plant, &moves, None, progress)
+        } else if robot.can_drives().is_some() {
+            self.run_on::<BusDrives>(&mut controller(self)?, &moves, progress)
+        } else {
+            self.run_on::<BrushedDrives>(&mut controller(self)?, &moves, progress)
         }
-        if let Some(bus) = self.robot.can_bus() {
-            let arm = ArmOnBus::new(self, bus)?;
-            let moves = self.run_moves(job)?;
-            return run(
-                self,
-                &mut can_bus::controller(self)?,
-                arm,
-                &moves,
-                None,
-                progress,
-            );
-        }
-        let mut target = self.controller()?;
-        self.run_on(&mut target, &self.run_moves(job)?, progress)
     }
 
     fn controller(&self) -> Result<InProcess, RunError> {
-        let settings = if self.control_law.is_computed_torque() {
-            self.robot.brushed()?.settings()?
-        } else {
-            self.robot.brushed()?.pid_settings()?
-        };
-        InProcess::new(&settings).map_err(|e| settings_error(self, e))
+        self.robot.brushed()?;
+        controller(self)
     }
 
-    fn run_on(
+    fn run_on<I: SimulatedDrives>(
         &self,
-        target: &mut impl Target,
+        target: &mut impl Target<I>,
         moves: &[Move],
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        run(self, target, self.plant()?, moves, None, progress)
+        run(self, target, I::arm(self)?, moves, None, progress)
     }
 
     fn run_watched(
@@ -307,6 +281,18 @@ impl Simulate for Scenario {
     }
 }
 
+/// A controller in this process, as after a reset, with the scenario's control law.
+fn controller<I: SimulatedDrives>(scenario: &Scenario) -> Result<InProcess<I>, RunError> {
+    let robot = &scenario.robot;
+    // Steppers and hobby servos have no loop.
+    let has_no_loop = robot.has_steppers() || robot.hobby_servos().is_some();
+    let settings = match scenario.control_law.is_computed_torque() || has_no_loop {
+        true => robot.settings()?,
+        false => robot.pid_settings()?,
+    };
+    InProcess::new(&settings).map_err(|error| settings_error(scenario, error))
+}
+
 fn settings_error(scenario: &Scenario, error: SettingsError) -> RunError {
     RunError::Settings {
         robot: scenario.robot.name.clone(),
@@ -317,7 +303,7 @@ fn settings_error(scenario: &Scenario, error: SettingsError) -> RunError {
 /// Runs moves on this controller and this simulated arm.
 fn run<P: SimulatedArm>(
     scenario: &Scenario,
-    target: &mut impl Target<P::Drives>,
+    target: &mut impl Target<P::Interface>,
     plant: P,
     moves: &[Move],
     watch: Option<&mut dyn Watch>,

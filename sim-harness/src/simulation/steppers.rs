@@ -1,33 +1,33 @@
 //! Runs on an arm with steppers.
 
-use super::{RunError, SimulatedArm, check_mismatch, settings_error, start_pose};
-use crate::link::InProcess;
+use super::{RunError, SimulatedArm, SimulatedDrives, check_mismatch, start_pose};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
 use fivebar_firmware::{ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{PlantFault, Stepper, StepperPlant};
+use fivebar_plant::{PlantFault, StepperPlant};
 
-/// The simulated arm, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors.
-pub(super) fn plant(scenario: &Scenario, motors: &[Stepper; 2]) -> Result<StepperPlant, RunError> {
-    let pose = start_pose(scenario)?;
-    let parameters = scenario.arm().plant_parameters()?;
-    check_mismatch(scenario, &parameters)?;
-    let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
-    let mut plant = StepperPlant::new(&parameters, motors, mismatch, &pose, seed);
-    for &fault in &scenario.initial_faults {
-        plant.arm_mut().inject(fault);
+impl SimulatedDrives for StepDrives {
+    type Arm = StepperPlant;
+
+    fn arm(scenario: &Scenario) -> Result<StepperPlant, RunError> {
+        let robot = &scenario.robot;
+        let motors = robot.steppers();
+        let motors = motors.ok_or_else(|| RunError::NoSteppers(robot.name.clone()))?;
+        let pose = start_pose(scenario)?;
+        let parameters = scenario.arm().plant_parameters()?;
+        check_mismatch(scenario, &parameters)?;
+        let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
+        let mut plant = StepperPlant::new(&parameters, &motors, mismatch, &pose, seed);
+        for &fault in &scenario.initial_faults {
+            plant.arm_mut().inject(fault);
+        }
+        Ok(plant)
     }
-    Ok(plant)
-}
-
-/// A controller of stepper drives, and of hobby servos.
-pub(super) fn controller(scenario: &Scenario) -> Result<InProcess<StepDrives>, RunError> {
-    InProcess::new(&scenario.robot.settings()?).map_err(|error| settings_error(scenario, error))
 }
 
 impl SimulatedArm for StepperPlant {
-    type Drives = StepDrives;
+    type Interface = StepDrives;
 
     fn sense(&mut self) -> ArmSample<StepSample> {
         Self::sense(self)

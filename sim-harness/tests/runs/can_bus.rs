@@ -3,14 +3,14 @@
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::drives::{TorqueDrives, TorqueSample, TorqueSetPoint};
+use fivebar_firmware::drives::can::{BusCommand, BusDrives, BusSample};
 use fivebar_firmware::safety::Fault;
 use fivebar_firmware::{ArmCommand, ArmSample, Move, Status};
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{FaultKind, Mismatch, PlantFault};
+use fivebar_plant::{CanPlant, FaultKind, Mismatch, PlantFault};
 use fivebar_sim::link::{InProcess, Target, TargetError};
 use fivebar_sim::simulation::{
-    ArmOnBus, Record, RunError, Simulate, SimulatedArm, Simulation, Summary,
+    Record, RunError, Simulate, SimulatedArm, SimulatedDrives, Simulation, Summary,
 };
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -61,28 +61,28 @@ fn the_demonstration_is_drawn_within_25_micrometres_whatever_the_torques_are_off
 
 /// An arm whose torques are written down in every tick, from its power-up on.
 struct Watched {
-    arm: ArmOnBus,
+    arm: CanPlant,
     torques: Rc<RefCell<Vec<[f64; 2]>>>,
 }
 
 impl SimulatedArm for Watched {
-    type Drives = TorqueDrives;
+    type Interface = BusDrives;
 
-    fn sense(&mut self) -> ArmSample<TorqueSample> {
-        self.arm.sense()
+    fn sense(&mut self) -> ArmSample<BusSample> {
+        SimulatedArm::sense(&mut self.arm)
     }
 
-    fn step(&mut self, command: &ArmCommand<TorqueSetPoint>, period: f64) {
+    fn step(&mut self, command: &ArmCommand<BusCommand>, period: f64) {
         self.torques.borrow_mut().push(self.arm.torque());
-        self.arm.step(command, period);
+        SimulatedArm::step(&mut self.arm, command, period);
     }
 
     fn schedule_faults(&mut self, faults: &[PlantFault]) {
-        self.arm.schedule_faults(faults);
+        SimulatedArm::schedule_faults(&mut self.arm, faults);
     }
 
     fn tool(&self) -> [f64; 2] {
-        self.arm.tool()
+        SimulatedArm::tool(&self.arm)
     }
 
     fn angle(&self, joint: Joint) -> f64 {
@@ -104,7 +104,7 @@ fn torques_from(kind: FaultKind, at: f64) -> (Vec<Fault>, Vec<[f64; 2]>) {
     let moves = scenario.run_moves(&scenario.job().unwrap()).unwrap();
     let torques = Rc::new(RefCell::new(Vec::new()));
     let arm = Watched {
-        arm: ArmOnBus::of(&scenario).unwrap(),
+        arm: BusDrives::arm(&scenario).unwrap(),
         torques: Rc::clone(&torques),
     };
     let mut target = InProcess::new(&scenario.robot.settings().unwrap()).unwrap();
@@ -164,8 +164,8 @@ fn frames_that_errors_hit_are_sent_again_in_their_tick() {
     let job = scenario.job().unwrap();
     let moves = scenario.run_moves(&job).unwrap();
     let run = |share: f64| {
-        let mut arm = ArmOnBus::of(&scenario).unwrap();
-        arm.plant_mut().disturb(share);
+        let mut arm = BusDrives::arm(&scenario).unwrap();
+        arm.disturb(share);
         let mut target = InProcess::new(&scenario.robot.settings().unwrap()).unwrap();
         let simulation = Simulation::new(&mut target, arm, scenario.robot.control.tick_rate);
         simulation.run(&moves, &[], &mut |_| ()).unwrap()
@@ -218,12 +218,12 @@ fn what_is_of_brushed_motors_refuses_drives_on_a_bus() {
 #[test]
 fn a_job_that_never_begins_ends_in_an_error() {
     /// Accepts every move, and does none.
-    struct Idle(InProcess<TorqueDrives>);
-    impl Target<TorqueDrives> for Idle {
+    struct Idle(InProcess<BusDrives>);
+    impl Target<BusDrives> for Idle {
         fn tick(
             &mut self,
-            sample: &ArmSample<TorqueSample>,
-        ) -> Result<(ArmCommand<TorqueSetPoint>, Status), TargetError> {
+            sample: &ArmSample<BusSample>,
+        ) -> Result<(ArmCommand<BusCommand>, Status), TargetError> {
             self.0.tick(sample)
         }
         fn request(&mut self, request: Request) -> Result<(), TargetError> {
@@ -239,7 +239,7 @@ fn a_job_that_never_begins_ends_in_an_error() {
     let scenario = demonstration();
     let moves = scenario.run_moves(&scenario.job().unwrap()).unwrap();
     let mut target = Idle(InProcess::new(&scenario.robot.settings().unwrap()).unwrap());
-    let arm = ArmOnBus::of(&scenario).unwrap();
+    let arm = BusDrives::arm(&scenario).unwrap();
     let simulation = Simulation::new(&mut target, arm, scenario.robot.control.tick_rate);
     let ended = simulation.run(&moves, &[], &mut |_| ());
     assert!(matches!(ended, Err(TargetError::NeverDone(_))));

@@ -32,7 +32,7 @@ struct Pushed<'a> {
 }
 
 impl SimulatedArm for Pushed<'_> {
-    type Drives = BrushedDrives;
+    type Interface = BrushedDrives;
 
     fn sense(&mut self) -> SensorSample {
         self.plant.sense()

@@ -4,6 +4,7 @@
 use fivebar_design::servo::Servo;
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::{ControlLaw, Scenario};
+use fivebar_firmware::drives::BrushedDrives;
 use fivebar_firmware::settings::EncoderTable;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Mismatch;
@@ -335,7 +336,7 @@ fn the_simulated_arm_oscillates_beyond_its_computed_gain_margin_and_not_within()
             for axis in &mut settings.axes {
                 axis.torque_constant /= factor;
             }
-            let mut target = InProcess::new(&settings).expect("valid settings");
+            let mut target = InProcess::<BrushedDrives>::new(&settings).expect("valid settings");
             let job = scenario.job().expect("valid");
             let (_, record) = scenario
                 .run_on(&mut target, &scenario.moves(&job).unwrap(), &mut |_| ())
@@ -363,7 +364,7 @@ fn a_declared_error_of_the_encoders_costs_little() {
         if !tables {
             settings.encoder_tables = [EncoderTable::NONE; 2];
         }
-        let mut target = InProcess::new(&settings).expect("valid settings");
+        let mut target = InProcess::<BrushedDrives>::new(&settings).expect("valid settings");
         let job = scenario.job().expect("the demonstration");
         let (summary, record) = scenario
             .run_on(&mut target, &scenario.moves(&job).unwrap(), &mut |_| ())

@@ -250,10 +250,8 @@ fn a_frame_that_follows_a_long_one_is_sent() {
     // Two commands at once: the second reply waits while the first one is sent.
     for sequence in (2..52).step_by(2) {
         let frames = [sequence, sequence + 1].map(|number| {
-            let message = HostMessage {
-                sequence: Sequence(number),
-                command: HostCommand::Snapshot,
-            };
+            let (sequence, command) = (Sequence(number), HostCommand::Snapshot);
+            let message: HostMessage = HostMessage { sequence, command };
             encode(&message).expect("a frame")
         });
         let mut chip = driven.chip();

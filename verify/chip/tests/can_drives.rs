@@ -8,7 +8,7 @@ use fivebar_chip::{
 };
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::drives::can::{BIT_RATE, Frame, Protocol, most_load, odrive};
+use fivebar_firmware::drives::can::{BIT_RATE, BusDrives, Frame, Protocol, most_load, odrive};
 use fivebar_firmware::protocol::{Board, HostCommand, Reset};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request, Status};
@@ -16,7 +16,7 @@ use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Wires, bits_on_bus};
 use fivebar_sim::drive::{Drive, Homing};
 use fivebar_sim::link::Client;
-use fivebar_sim::simulation::{ArmOnBus, Simulate};
+use fivebar_sim::simulation::{Simulate, SimulatedDrives};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
@@ -78,7 +78,7 @@ fn open(line: &HostLine) -> (Client<HostLine>, Reset) {
 impl Bench {
     /// Connected, with the settings in use.
     fn ready(scenario: Scenario) -> Self {
-        let plant = ArmOnBus::of(&scenario).expect("an arm").plant_mut().clone();
+        let plant = BusDrives::arm(&scenario).expect("an arm");
         let arm = SharedCanArm::new(CanArm::new(plant));
         let options = Options {
             drives: DriveKind::OnBus,

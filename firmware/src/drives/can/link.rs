@@ -1,13 +1,13 @@
 //! The link between the tick and two drives on a bus: commands out, answers in, and how old these are.
 
-use super::{Frame, mit, odrive};
+use super::{BusSetup, Frame, mit, odrive};
 use crate::drives::{DriveHealth, DriveStiffness, TorqueSample, TorqueSetPoint};
 use crate::settings::CheckedSettings;
 use core::f32::consts::TAU;
 use heapless::Vec;
 
 /// Frames that are sent in a tick, at most.
-const MOST_FRAMES: usize = 4;
+pub const MOST_FRAMES: usize = 4;
 
 /// The frames of a tick.
 pub type Frames = Vec<Frame, MOST_FRAMES>;
@@ -89,6 +89,12 @@ impl Link {
             // `as` saturates, and cuts.
             heartbeat_ticks: (heartbeats * settings.control.tick_rate + 0.5) as u16,
         }
+    }
+
+    /// The link to the drives that these settings name; none if they name none.
+    pub fn of(settings: &CheckedSettings) -> Option<Self> {
+        let BusSetup { protocol, nodes } = BusSetup::of(settings)?;
+        Some(Self::new(protocol, nodes, settings))
     }
 
     /// Takes a frame from the bus over; those of others are ignored.

@@ -4,13 +4,16 @@
 //! In each tick the [`Link`] sends one command to each drive, and each drive answers once. So the bus carries the same
 //! frames in every tick, and a drive that does not answer is noticed in the next one.
 
+mod bus_drives;
 mod link;
 pub mod mit;
 pub mod odrive;
 mod setup;
 mod waiting;
 
-pub use link::{Frames, Link, Protocol};
+pub use bus_drives::{BusCommand, BusDrives, BusSample, UNKNOWN};
+pub use link::{Frames, Link, MOST_FRAMES, Protocol};
+use serde::{Deserialize, Serialize};
 pub use setup::BusSetup;
 pub use waiting::{CanController, MOST_RECEIVED, WaitingFrames};
 
@@ -25,7 +28,7 @@ pub const MOST_LOAD: f32 = 0.95;
 pub type Payload = [u8; 8];
 
 /// A frame with an identifier of 11 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frame {
     /// The identifier.
     pub id: u16,

@@ -12,8 +12,8 @@ use fivebar_files::robot::{DriveKind, Robot};
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
 use fivebar_firmware::{Move, Planner, Status};
-use fivebar_sim::controller::motors_of;
 use fivebar_sim::drive::{Drive, DriveError, Homing};
+use fivebar_sim::link::motors_of;
 use fivebar_sim::simulation::{Sample, Trace};
 use fivebar_sim::time_optimal::JobPlanner;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -147,7 +147,10 @@ fn drives(robot: &Robot) -> Result<(&'static str, &'static str), Failure> {
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
 /// else.
 fn refuse_other(board: Board, (wanted, image): (&str, &str)) -> Result<(), Failure> {
-    if board == Board::Emulated {
+    if matches!(
+        board,
+        Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan
+    ) {
         let reason = "an emulated board has no motors; run the job on it with `fivebar pil`";
         return Err(Failure::Refused(reason.into()));
     }

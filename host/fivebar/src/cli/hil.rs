@@ -1,14 +1,14 @@
 //! `fivebar hil`: the firmware on a board, in lockstep with the simulated arm.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs, RemoteController};
+use super::lockstep::{self, LockstepArgs, RemoteController, image_of};
 use fivebar_sim::link::SerialLine;
 
 /// Runs a job on a board without motors, in lockstep with the simulated arm.
 ///
 /// All outputs are compared bit by bit with the same run in this process. The board, on a
-/// serial port, has the image `qemu`, which exchanges frames instead of driving bridges and
-/// reading sensors; no motor moves.
+/// serial port, has the image `qemu`, for steppers `qemu_stepper`, for drives on a CAN bus
+/// `qemu_can`, which exchanges frames instead of driving motors and reading sensors; no motor moves.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -19,14 +19,17 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let scenario = args.run.scenario()?;
     let board = RemoteController {
         name: &args.port,
         command: "hil",
         unit: "ns",
-        likely_cause: "if its image `qemu` is older than this program, build it again with \
-                       scripts/firmware.sh and flash it",
+        likely_cause: &format!(
+            "if its image `{}` is older than this program, build it again with scripts/firmware.sh and flash it",
+            image_of(&scenario.robot)
+        ),
     };
-    lockstep::run(&args.run, &board, || {
+    lockstep::run(&args.run, &scenario, &board, || {
         Ok(Box::new(SerialLine::open(&args.port).map_err(refused)?))
     })
 }

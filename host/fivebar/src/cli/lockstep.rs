@@ -5,10 +5,16 @@ use super::failure::{Failure, refused};
 use super::run_args::RunArgs;
 use super::say::say;
 use super::sim::{millimetres, outcome, path_lengths, print, progress_bar, refusal};
+use fivebar_files::robot::Robot;
+use fivebar_files::scenario::Scenario;
+use fivebar_firmware::drives::can::BusDrives;
+use fivebar_firmware::drives::{BrushedDrives, StepDrives};
 use fivebar_report::pages::RunReport;
 use fivebar_report::text::{conditions, fault_and_next_step};
-use fivebar_sim::link::{Difference, Instructions, Lockstep, LockstepError, TargetError};
-use fivebar_sim::simulation::{RunError, Simulate, Summary};
+use fivebar_sim::link::{
+    Difference, EmulatedDrives, Instructions, Lockstep, LockstepError, TargetError,
+};
+use fivebar_sim::simulation::{RunError, Simulate, SimulatedDrives, Summary};
 use serde::Serialize;
 use std::io::{Read, Write};
 
@@ -25,13 +31,31 @@ pub(super) struct LockstepArgs {
     moves: Option<usize>,
 }
 
+impl LockstepArgs {
+    /// What is run.
+    pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
+        self.run.scenario()
+    }
+}
+
+/// The image for a board that is stepped by the host, with the drives of this robot.
+pub(super) fn image_of(robot: &Robot) -> &'static str {
+    if robot.has_steppers() {
+        StepDrives::IMAGE
+    } else if robot.can_drives().is_some() {
+        BusDrives::IMAGE
+    } else {
+        BrushedDrives::IMAGE
+    }
+}
+
 /// The figures of a run in lockstep.
 #[derive(Serialize)]
 struct LockstepSummary<'a> {
     #[serde(flatten)]
     run: &'a Summary,
     instructions_per_tick: PerTick,
-    /// Whether all duties, states and estimates have the same bits as in this process.
+    /// Whether all that goes to the drives, states and estimates have the same bits as in this process.
     bit_exact: bool,
     first_difference: Option<&'a Difference>,
 }
@@ -56,9 +80,26 @@ pub(super) struct RemoteController<'a> {
     pub(super) likely_cause: &'a str,
 }
 
-/// Runs the job on the controller at the other end of `line`.
+/// Runs the job on the controller at the other end of `line`, with the robot's kind of drives.
 pub(super) fn run(
     args: &LockstepArgs,
+    scenario: &Scenario,
+    other: &RemoteController<'_>,
+    line: impl FnOnce() -> Result<Box<dyn Connection>, Failure>,
+) -> Result<(), Failure> {
+    match image_of(&scenario.robot) {
+        StepDrives::IMAGE => run_with::<StepDrives>(args, scenario, other, line),
+        BusDrives::IMAGE => run_with::<BusDrives>(args, scenario, other, line),
+        _ => {
+            scenario.robot.brushed().map_err(refused)?;
+            run_with::<BrushedDrives>(args, scenario, other, line)
+        }
+    }
+}
+
+fn run_with<I: EmulatedDrives + SimulatedDrives>(
+    args: &LockstepArgs,
+    scenario: &Scenario,
     other: &RemoteController<'_>,
     line: impl FnOnce() -> Result<Box<dyn Connection>, Failure>,
 ) -> Result<(), Failure> {
@@ -68,30 +109,28 @@ pub(super) fn run(
         unit,
         likely_cause,
     } = other;
-    let scenario = args.run.scenario()?;
     let folders = args.run.output.prepare(command)?;
     let job = scenario.job().map_err(refused)?;
     scenario
         .check(&job)
-        .map_err(|error| refusal(&scenario, &error))?;
+        .map_err(|error| refusal(scenario, &error))?;
     let count = args.moves.or_else(|| {
         let demonstration = !args.run.names_a_job();
         demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
     });
     let count = count.unwrap_or(usize::MAX);
     let moves = scenario.first_moves(&job, count);
-    let moves = moves.map_err(|error| refusal(&scenario, &error))?;
+    let moves = moves.map_err(|error| refusal(scenario, &error))?;
 
-    let robot = scenario.robot.brushed().map_err(refused)?;
-    let settings = robot.settings().map_err(refused)?;
+    let settings = scenario.robot.settings().map_err(refused)?;
     let (mut lockstep, _) =
-        Lockstep::begin(line()?, &settings, &settings).map_err(|error| match error {
+        Lockstep::<_, I>::begin(line()?, &settings, &settings).map_err(|error| match error {
             LockstepError::Link(_) | LockstepError::Refused(_) => {
                 refused(format_args!("{name}: {error}; {likely_cause}"))
             }
             other => refused(format_args!("{name}: {other}")),
         })?;
-    let lengths = path_lengths(&scenario, &job);
+    let lengths = path_lengths(scenario, &job);
     let last = count.min(lengths.len()).saturating_sub(1);
     let bar = progress_bar(lengths.get(last).copied());
     let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
@@ -102,7 +141,7 @@ pub(super) fn run(
         RunError::Target(TargetError::Link(_) | TargetError::Unexpected(_)) => {
             refused(format_args!("{name}: {error}; {likely_cause}"))
         }
-        other => refusal(&scenario, &other),
+        other => refusal(scenario, &other),
     })?;
     summary.out_dir = folders.out.path().display().to_string();
 
@@ -117,7 +156,7 @@ pub(super) fn run(
         bit_exact: lockstep.first_difference().is_none(),
         first_difference: lockstep.first_difference(),
     };
-    let stopped = fault_and_next_step(&scenario, &record);
+    let stopped = fault_and_next_step(scenario, &record);
     let report = RunReport {
         robot: &scenario.robot,
         job: Some(&job),
@@ -125,7 +164,7 @@ pub(super) fn run(
         trace: &record.trace,
         pid: None,
         stopped: stopped.as_deref(),
-        conditions: &conditions(&scenario),
+        conditions: &conditions(scenario),
     };
     let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
     args.run.output.write(&folders, &report, &text)?;
@@ -133,26 +172,31 @@ pub(super) fn run(
         say(serde_json::to_string(&figures).map_err(refused)?)?;
     } else {
         print(&summary, &record)?;
-        print_comparison(&figures, lockstep.ticks(), unit)?;
+        print_comparison(&figures, lockstep.ticks(), unit, I::OUTPUTS)?;
     }
     if let Some(difference) = lockstep.first_difference() {
         return Err(refused(format_args!("{difference}; {likely_cause}")));
     }
-    outcome(&scenario, &record)
+    outcome(scenario, &record)
 }
 
 /// A stream of bytes to a controller.
 pub(super) trait Connection: Read + Write {}
 impl<L: Read + Write> Connection for L {}
 
-fn print_comparison(figures: &LockstepSummary<'_>, ticks: u64, unit: &str) -> Result<(), Failure> {
+fn print_comparison(
+    figures: &LockstepSummary<'_>,
+    ticks: u64,
+    unit: &str,
+    outputs: &str,
+) -> Result<(), Failure> {
     let PerTick { min, mean, max } = figures.instructions_per_tick;
     say(format_args!(
         "  tick        {min} to {max} {unit}, {mean:.0} on average"
     ))?;
     if figures.bit_exact {
         say(format_args!(
-            "  bit exact   all duties, states and estimates of {ticks} ticks equal those in this \
+            "  bit exact   all {outputs}, states and estimates of {ticks} ticks equal those in this \
              process"
         ))?;
     }

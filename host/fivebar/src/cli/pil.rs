@@ -1,7 +1,7 @@
 //! `fivebar pil`: the firmware on an emulated Cortex-M4F, in lockstep with the simulated arm.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs, RemoteController};
+use super::lockstep::{self, LockstepArgs, RemoteController, image_of};
 use fivebar_sim::link::Emulator;
 use std::path::PathBuf;
 
@@ -13,23 +13,24 @@ use std::path::PathBuf;
 pub(super) struct Args {
     #[command(flatten)]
     run: LockstepArgs,
-    /// The image of the emulated board; scripts/firmware.sh builds it.
+    /// The image of the emulated board; by default that for the robot's kind of drives, as scripts/firmware.sh builds it.
     #[arg(long, value_name = "FILE")]
     image: Option<PathBuf>,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let scenario = args.run.scenario()?;
     let image = args
         .image
         .clone()
-        .unwrap_or_else(|| Emulator::built_image("qemu"));
+        .unwrap_or_else(|| Emulator::built_image(image_of(&scenario.robot)));
     let board = RemoteController {
         name: "the emulated board",
         command: "pil",
         unit: "instructions",
         likely_cause: &Emulator::likely_cause(&image),
     };
-    lockstep::run(&args.run, &board, || {
+    lockstep::run(&args.run, &scenario, &board, || {
         Ok(Box::new(Emulator::start(&image).map_err(refused)?))
     })
 }

@@ -50,7 +50,9 @@ impl PortArgs {
 fn board(board: Board) -> &'static str {
     match board {
         Board::Desktop => "a controller in a process on a desktop",
-        Board::Emulated => "an emulated board",
+        Board::Emulated => "an emulated board for brushed motors",
+        Board::EmulatedStepper => "an emulated board for steppers",
+        Board::EmulatedCan => "an emulated board for drives on a CAN bus",
         Board::Stm32f405 => "an STM32F405 for brushed motors",
         Board::Stm32f405Stepper => "an STM32F405 for steppers",
         Board::Stm32f405Can => "an STM32F405 for drives on a CAN bus",

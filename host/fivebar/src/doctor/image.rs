@@ -1,11 +1,11 @@
 //! Checks of the firmware's images.
 
 use super::State;
-use fivebar_files::robot::{BuiltIn, Robot};
+use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::controller::Request;
-use fivebar_sim::link::{Emulator, EmulatorError, Lockstep, Target};
-use fivebar_sim::simulation::Simulate;
+use fivebar_sim::link::{EmulatedDrives, Emulator, EmulatorError, Lockstep, Target};
+use fivebar_sim::simulation::{SimulatedArm, SimulatedDrives};
 use std::error::Error;
 use std::path::Path;
 
@@ -24,35 +24,38 @@ pub(super) fn state(name: &str) -> State {
     }
 }
 
-/// The state of the emulated board's image. It must give the same outputs as this program.
-pub(super) fn of_emulated_board() -> State {
-    let found = state("qemu");
-    let image = Emulator::built_image("qemu");
+/// The state of an emulated board's image. It must give the same outputs as this program.
+pub(super) fn of_emulated_board<I: EmulatedDrives + SimulatedDrives>(robot: &str) -> State {
+    let found = state(I::IMAGE);
+    let image = I::built_image();
     if matches!(found, State::Missing(_)) {
         return found;
     }
-    match compare_outputs(&image) {
+    match compare_outputs::<I>(&image, robot) {
         Ok(()) => found,
         Err(reason) => State::Outdated(format!("{reason}; {}", Emulator::likely_cause(&image))),
     }
 }
 
-/// Compares an emulated board with this image with this program: starts a run as
+/// Compares an emulated board with this image with this program: starts a run of a built-in robot as
 /// `fivebar pil` does, and compares all outputs bit by bit.
 ///
 /// # Errors
 /// The board does not run, or the first output that differs.
-pub fn compare_outputs(image: &Path) -> Result<(), Box<dyn Error>> {
+pub fn compare_outputs<I: EmulatedDrives + SimulatedDrives>(
+    image: &Path,
+    robot: &str,
+) -> Result<(), Box<dyn Error>> {
     let board = match Emulator::start(image) {
         // Without an emulator the image cannot be run; another check reports that.
         Err(EmulatorError::NoQemu) => return Ok(()),
         other => other?,
     };
-    let robot = Robot::load(BuiltIn::DEFAULT)?;
+    let robot = Robot::load(robot)?;
     let settings = robot.settings()?;
     let period = 1.0 / robot.control.tick_rate;
-    let mut plant = Scenario::demonstration(robot).plant()?;
-    let (mut lockstep, _) = Lockstep::begin(board, &settings, &settings)?;
+    let mut plant = I::arm(&Scenario::demonstration(robot))?;
+    let (mut lockstep, _) = Lockstep::<_, I>::begin(board, &settings, &settings)?;
     for tick in 0..TICKS {
         let (command, _) = lockstep.tick(&plant.sense())?;
         plant.step(&command, period);
@@ -69,11 +72,14 @@ pub fn compare_outputs(image: &Path) -> Result<(), Box<dyn Error>> {
 #[cfg(test)]
 mod tests {
     use super::compare_outputs;
+    use fivebar_files::robot::BuiltIn;
+    use fivebar_firmware::drives::BrushedDrives;
     use std::path::Path;
 
     #[test]
     fn a_missing_image_does_not_pass_the_check() {
-        let error = compare_outputs(Path::new("/nowhere/qemu")).expect_err("no such image");
+        let error = compare_outputs::<BrushedDrives>(Path::new("/nowhere/qemu"), BuiltIn::DEFAULT)
+            .expect_err("no such image");
         assert!(error.to_string().contains("scripts/firmware.sh"), "{error}");
     }
 }

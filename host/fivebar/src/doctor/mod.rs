@@ -7,6 +7,9 @@ mod image;
 mod ports;
 mod probe;
 
+use fivebar_files::robot::BuiltIn;
+use fivebar_firmware::drives::can::BusDrives;
+use fivebar_firmware::drives::{BrushedDrives, StepDrives};
 pub use image::compare_outputs;
 use probe::{first_line, has_header, has_rust_target};
 use serde::Serialize;
@@ -76,7 +79,7 @@ pub fn examine() -> Vec<Check> {
 }
 
 /// What boards need, emulated, simulated and real ones.
-fn of_boards() -> [Check; 8] {
+fn of_boards() -> [Check; 10] {
     [
         Check {
             what: "rustc",
@@ -109,7 +112,19 @@ fn of_boards() -> [Check; 8] {
             what: "image qemu",
             purpose: "the firmware for the emulated board",
             needed_for: &[Task::Pil],
-            state: image::of_emulated_board(),
+            state: image::of_emulated_board::<BrushedDrives>(BuiltIn::DEFAULT),
+        },
+        Check {
+            what: "image qemu_stepper",
+            purpose: "the same for steppers",
+            needed_for: &[Task::Pil],
+            state: image::of_emulated_board::<StepDrives>("benchtop_stepper"),
+        },
+        Check {
+            what: "image qemu_can",
+            purpose: "the same for drives on a CAN bus",
+            needed_for: &[Task::Pil],
+            state: image::of_emulated_board::<BusDrives>("leg"),
         },
         Check {
             what: "image stm32f405",

@@ -1,6 +1,7 @@
 //! `fivebar pil` with an image of another release. The emulator is a script that replies
-
 //! to everything with the same frame.
+
+use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Reply, Sequence, VERSION, encode,
 };
@@ -26,7 +27,7 @@ fn the_error_for_an_image_of_another_release_says_how_to_build_it() {
     let emulator = folder.path().join("qemu-system-arm");
     fs::write(&emulator, EMULATOR).unwrap();
     fs::set_permissions(&emulator, fs::Permissions::from_mode(0o755)).unwrap();
-    let answer = ControllerMessage::Reply {
+    let answer = ControllerMessage::<BrushedCommand>::Reply {
         sequence: Sequence(1),
         reply: Reply::Refused(CommandError::Version(VERSION + 1)),
     };

@@ -35,7 +35,7 @@ fn a_different_gain_is_found_by_the_first_difference_in_bits() {
     let (mut there, _) = Lockstep::begin(lockstep(), &settings(), &other).expect("the link works");
     arm::run(&mut there);
     let difference = there.first_difference().expect("the runs differ");
-    assert_eq!(difference.field, "duty", "{difference:?}");
+    assert_eq!(difference.field, "current_demand", "{difference:?}");
     assert_ne!(difference.here, difference.there);
 }
 

@@ -3,8 +3,8 @@
 use super::bxcan::BxCan;
 use super::stop;
 use crate::ArmCommand;
-use crate::drives::can::{BusSetup, CanController, Link, WaitingFrames};
-use crate::drives::{DriveHealth, TorqueSample, TorqueSetPoint};
+use crate::drives::can::{BusSetup, CanController, Link, UNKNOWN, WaitingFrames};
+use crate::drives::{TorqueSample, TorqueSetPoint};
 use crate::settings::CheckedSettings;
 use core::mem::MaybeUninit;
 use rtic_core::Mutex;
@@ -46,7 +46,7 @@ impl Bus {
     pub fn sense(&mut self) -> ([i32; 2], TorqueSample) {
         let is_off = self.can.is_off();
         let Some(link) = &mut self.link else {
-            return SILENT;
+            return UNKNOWN;
         };
         self.waiting
             .begin_tick(&mut self.can, |frame| link.receive(frame));
@@ -69,17 +69,6 @@ impl Bus {
         self.waiting.fill(&mut self.can);
     }
 }
-
-/// What is sensed of drives that nobody knows.
-const SILENT: ([i32; 2], TorqueSample) = (
-    [0; 2],
-    TorqueSample {
-        torque: [0.0; 2],
-        age: [u16::MAX; 2],
-        health: [DriveHealth::Off; 2],
-        bus_off: false,
-    },
-);
 
 /// Makes the link to the drives of these settings, if they name some, and gives it to the bus.
 #[inline(never)]

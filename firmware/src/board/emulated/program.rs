@@ -1,35 +1,33 @@
 //! The emulated board: the controller, the planner and the session of the production
-//! image, their sensors and bridges replaced by frames from the host.
+//! image, their sensors and drives replaced by frames from the host.
 //!
 //! The host steps the board in lockstep: each command `Tick` carries one sensor sample, and its
 //! reply the actuator command and the number of instructions of the tick. Nothing else advances
 //! the controller, so a run depends on its commands only.
-#![no_std]
-#![no_main]
-#![allow(
-    unsafe_code,
-    missing_docs,
-    reason = "the framework's attribute writes code that needs it"
-)]
-
+//!
+//! The crate's root says which `Interface` the image has to its drives, and which `BOARD` it is.
 use core::panic::PanicInfo;
 use cortex_m_rt::{ExceptionFrame, exception};
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
+    use crate::{BOARD, Interface};
     use core::mem::MaybeUninit;
     use fivebar_firmware::board::emulated::instructions::InstructionCounter;
+    use fivebar_firmware::board::emulated::lockstep::Lockstep;
     use fivebar_firmware::board::exchanged::{Exchanged, Place};
-    use fivebar_firmware::board::stack;
     use fivebar_firmware::board::stm32f405::{clocks, serial};
+    use fivebar_firmware::drives::DriveInterface;
     use fivebar_firmware::planner::Planner;
-    use fivebar_firmware::protocol::{Board, Decoder, HostMessage, Identity, Reset, StackUse};
-    use fivebar_firmware::recorder::{Log, Recorder};
+    use fivebar_firmware::protocol::{Decoder, HostMessage, Identity, Reset};
     use fivebar_firmware::session::{self, Session};
-    use fivebar_firmware::storage::StorageError;
-    use fivebar_firmware::{ActuatorCommand, Controller, SensorSample, Settings};
+    use fivebar_firmware::{ArmController, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
     use stm32f4xx_hal::prelude::*;
+
+    type Drives = <Interface as DriveInterface>::Drives;
+    type Controller = ArmController<Drives>;
+    type Message = HostMessage<<Interface as DriveInterface>::Sample>;
 
     #[shared]
     struct Shared {
@@ -39,56 +37,19 @@ mod app {
     #[local]
     struct Local {
         receiver: serial::Receiver,
-        arrived: Producer<'static, HostMessage>,
-        commands: Consumer<'static, HostMessage>,
+        arrived: Producer<'static, Message>,
+        commands: Consumer<'static, Message>,
         sender: serial::Sender,
         spare: &'static mut Controller,
         planner: &'static mut Planner,
         session: &'static mut Session,
-        lockstep: Lockstep,
-    }
-
-    /// The log at the tick rate.
-    static LOG: Log = Log::new();
-
-    /// This board: it stores nothing, and its ticks come from the host.
-    pub(crate) struct Lockstep {
-        counter: InstructionCounter,
-    }
-
-    impl fivebar_firmware::board::Board for Lockstep {
-        fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
-            Err(StorageError::Flash)
-        }
-
-        fn tick(
-            &mut self,
-            controller: &mut Controller,
-            sample: &SensorSample,
-        ) -> Option<(ActuatorCommand, u32)> {
-            // On a board, too, only an emergency stop interrupts a tick.
-            let (command, instructions) = cortex_m::interrupt::free(|_| {
-                let start = self.counter.now();
-                let command = controller.tick(sample);
-                (command, self.counter.since(start))
-            });
-            LOG.recorder().record(sample, &command, controller.ticks());
-            Some((command, instructions))
-        }
-
-        fn recorder(&self) -> Option<Recorder<'_>> {
-            Some(LOG.recorder())
-        }
-
-        fn stack(&self) -> Option<StackUse> {
-            Some(stack::used())
-        }
+        lockstep: Lockstep<Interface>,
     }
 
     #[init(local = [
         buffers: serial::Buffers = serial::Buffers::new(),
-        queue: Queue<HostMessage, 4> = Queue::new(),
-        controllers: [Place; 2] = [const { Place::uninit() }; 2],
+        queue: Queue<Message, 4> = Queue::new(),
+        controllers: [Place<Drives>; 2] = [const { Place::uninit() }; 2],
         place_of_planner: Planner = Planner::NONE,
         place_of_session: MaybeUninit<Session> = MaybeUninit::uninit(),
     ])]
@@ -101,7 +62,7 @@ mod app {
         let (buffers, bus) = (cx.local.buffers, clocks.source.second_bus());
         let (receiver, sender) = serial::new(usart, dma, pins, buffers, bus, &mut rcc);
         let (arrived, commands) = cx.local.queue.split();
-        let identity = Identity::new(Board::Emulated, Reset::Power);
+        let identity = Identity::new(BOARD, Reset::Power);
         let Ok(settings) = Settings::BENCHTOP.check() else {
             panic!("the benchtop arm's settings are valid");
         };
@@ -117,9 +78,7 @@ mod app {
             spare: Controller::place(spare, &settings),
             planner,
             session: session::place(cx.local.place_of_session, identity, &settings, false),
-            lockstep: Lockstep {
-                counter: InstructionCounter::new(cx.core.SYST),
-            },
+            lockstep: Lockstep::new(InstructionCounter::new(cx.core.SYST), &settings),
         };
         (Shared { controller }, local)
     }
@@ -129,7 +88,7 @@ mod app {
     #[task(binds = USART1, priority = 2, local = [
         receiver,
         arrived,
-        decoder: Decoder<HostMessage> = Decoder::new(),
+        decoder: Decoder<Message> = Decoder::new(),
     ])]
     fn receive(cx: receive::Context) {
         let (decoder, arrived) = (cx.local.decoder, cx.local.arrived);
