@@ -29,6 +29,11 @@ impl Bench {
 
     /// Extent of what was drawn in the last run [m].
     fn extent(&self) -> [[f64; 2]; 2] {
+        self.extent_after(3.0)
+    }
+
+    /// As [`Self::extent`], of the lines after this one; strokes have two lines each.
+    fn extent_after(&self, first: f64) -> [[f64; 2]; 2] {
         let trace = std::fs::read_to_string(self.path("out/sim/trace.csv")).unwrap();
         let mut lines = trace.lines();
         let header: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -44,7 +49,7 @@ impl Bench {
                 .split(',')
                 .map(|it| it.parse().unwrap_or(f64::NAN))
                 .collect();
-            if row[line] > 3.0 {
+            if row[line] > first {
                 for (axis, value) in [row[x], row[y]].into_iter().enumerate() {
                     extent[0][axis] = extent[0][axis].min(value);
                     extent[1][axis] = extent[1][axis].max(value);
@@ -196,7 +201,7 @@ fn an_svg_is_drawn_in_its_true_size() {
                <path d=\"M20 30 C40 0 60 60 80 30\"/></g></svg>";
     let drawing = bench.file("drawing.svg", svg);
     bench.drawn(&[&drawing, "--speed", "200mm"]);
-    let [low, high] = bench.extent();
+    let [low, high] = bench.extent_after(1.0);
     let size = [0, 1].map(|axis| 1e3 * (high[axis] - low[axis]));
     assert!(
         (size[0] - 80.0).abs() < 0.1 && (size[1] - 40.0).abs() < 0.1,
