@@ -26,6 +26,7 @@ use fivebar_files::robot::{HomeError, MissingMasses, NotBrushed, robot_file_mess
 use fivebar_files::scenario::{RefusedModeChange, RefusedMove, Scenario, ScenarioError};
 use fivebar_firmware::drives::can::BusDrives;
 use fivebar_firmware::drives::{BrushedDrives, StepDrives};
+use fivebar_firmware::settings::HomingMethod;
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
 use fivebar_kinematics::five_bar::Pose;
@@ -338,10 +339,12 @@ fn run<P: SimulatedArm>(
     Ok((summary, record))
 }
 
-/// The arm with each joint 0.1 rad before its home switch.
+/// The arm with each joint 0.1 rad before its home switch, or at home where that is given.
 fn start_pose(scenario: &Scenario) -> Result<Pose<f64>, RunError> {
     let settings = scenario.robot.settings()?;
+    let is_given = settings.home_reference.method == HomingMethod::Given;
     let before = settings.axes.map(|axis| match axis.home_forward {
+        _ if is_given => 0.0,
         true => -BEFORE_HOME,
         false => BEFORE_HOME,
     });

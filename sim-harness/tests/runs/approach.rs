@@ -1,6 +1,6 @@
 //! The way from home to a job.
 
-use fivebar_files::robot::Robot;
+use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::{MoveKind, Planner};
 use fivebar_sim::simulation::Simulate;
@@ -73,5 +73,26 @@ fn a_job_from_a_line_on_stays_in_place_and_goes_there_with_the_tool_up() {
     assert!(
         refusal.contains("no motion at or behind line 7"),
         "{refusal}"
+    );
+}
+
+#[test]
+fn an_arm_whose_home_is_given_stands_there() {
+    let text = BuiltIn::find("benchtop").unwrap().text;
+    let text = format!("{text}\n[homing]\nmethod = \"given\"\n");
+    let robot = Robot::parse("given.toml", &text).unwrap();
+    let mut scenario = Scenario::new(
+        "given",
+        robot,
+        "job.gcode",
+        "G0 X0 Y0\nM3\nG1 X5 F3000".into(),
+    );
+    scenario.origin = Some([0.04, 0.18]);
+    let job = scenario.job().unwrap();
+    let (summary, _) = scenario.simulate(&job, &mut |_| ()).unwrap();
+    let error = summary.tip_error.rms_m;
+    assert!(
+        error < 20e-6,
+        "{error} m: home is where a jig holds the arm"
     );
 }

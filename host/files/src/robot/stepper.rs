@@ -45,8 +45,7 @@ impl Stepper {
 /// The robot has other drives, where brushed motors are needed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "robot `{robot}` has {drives}: `fivebar sim` runs jobs on them, but loops, logs and commissioning are of brushed \
-     motors. {instead}"
+    "robot `{robot}` has {drives}, but loops, logs, pages and commissioning are of brushed motors. {instead}"
 )]
 pub struct NotBrushed {
     /// The robot's name.
@@ -174,18 +173,20 @@ impl Robot {
         let (drives, instead) = if self.has_steppers() {
             (
                 "steppers",
-                "Steppers have no loop of the controller and no torque to log: `torque_share` is their margin, and \
-                 `sim` shows the `lost_steps`",
+                "`fivebar sim` and `pil` run jobs on them, and `drive` with the image `stm32f405_stepper` \
+                 (docs/use/wiring.md). `torque_share` is their margin, and `sim` shows the `lost_steps`",
             )
         } else if self.hobby_servos().is_some() {
             (
                 "hobby servos",
-                "A servo has a loop of its own and tells nothing: `sim` shows how far its arm is from its set-points",
+                "`fivebar sim` runs jobs on them; no image drives them yet. A servo has a loop of its own and tells \
+                 nothing: `sim` shows how far its arm is from its set-points",
             )
         } else if self.can_drives().is_some() {
             (
                 "drives on a CAN bus",
-                "These drives have loops and measurements of their own: tune and check them by their maker's program",
+                "`fivebar sim` and `pil` run jobs on them, and `drive` with the image `stm32f405_can` \
+                 (docs/use/wiring.md). Tune and check their own loops by their maker's program",
             )
         } else {
             return Ok(self);

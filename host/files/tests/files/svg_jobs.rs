@@ -197,6 +197,9 @@ fn a_hatch_fills_what_is_seen_by_the_pen_of_its_fill() {
             "two outlines"
         );
     }
+    let on_white = "<rect width=\"100\" height=\"50\" fill=\"white\"/>";
+    let both = strokes(&read(&format!("{on_white}{ring} fill=\"red\"/>")));
+    assert_eq!(both, hatched, "a white page is no stroke");
     // The outline's pen and the fill's are two.
     let two = read(&format!("{ring} fill=\"red\" stroke=\"blue\"/>"));
     assert_eq!(two.stops.len(), 1, "{:?}", two.stops);

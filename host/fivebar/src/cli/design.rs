@@ -65,7 +65,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     print(text::synthesis(&found))?;
     match &folder {
         Some(folder) => say(format_args!(
-            "wrote report.html, best.toml and the arms of the front to {}",
+            "wrote report.html, best.toml{} to {}",
+            if found.front.len() > 1 {
+                " and the arms of the front"
+            } else {
+                ""
+            },
             folder.path().display()
         )),
         None => Ok(()),

@@ -72,7 +72,7 @@ pub(super) struct ReadingArgs {
     speed: Option<f64>,
     /// Fill the areas of an SVG with lines at 45° this far apart, such as 0.8mm; white ones stay empty. By default areas
     /// have outlines only.
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    #[arg(long, value_name = "LENGTH", value_parser = hatch, allow_hyphen_values = true)]
     hatch: Option<f64>,
 }
 
@@ -87,6 +87,11 @@ impl ReadingArgs {
             ..JobOptions::default()
         }
     }
+}
+
+fn hatch(text: &str) -> Result<f64, ValueError> {
+    let distance = length(text).ok().filter(|it| (1e-4..=0.05).contains(it));
+    distance.ok_or(ValueError::Hatch)
 }
 
 fn dialect(text: &str) -> Result<Dialect, ValueError> {

@@ -9,6 +9,8 @@ pub(super) enum ValueError {
     Degrees,
     #[error("give grbl or reprap")]
     Dialect,
+    #[error("give a distance of the lines from 0.1mm to 50mm, such as 0.8mm")]
+    Hatch,
     #[error("give joints from A to E, such as B,D")]
     Joint,
     #[error("give a positive number of rad/s³, such as 1e5")]

@@ -74,12 +74,13 @@ impl Check {
 /// Makes all checks.
 pub fn examine() -> Vec<Check> {
     let mut checks = Vec::from(of_boards());
+    checks.extend(of_images());
     checks.extend(of_browser_and_python());
     checks
 }
 
 /// What boards need, emulated, simulated and real ones.
-fn of_boards() -> [Check; 10] {
+fn of_boards() -> [Check; 6] {
     [
         Check {
             what: "rustc",
@@ -109,6 +110,37 @@ fn of_boards() -> [Check; 10] {
             ),
         },
         Check {
+            what: "unicorn",
+            purpose: "emulates the core of the simulated STM32F405",
+            needed_for: &[Task::Chip],
+            state: match has_header("unicorn/unicorn.h") {
+                Some(place) => State::Found(place),
+                None => State::Missing(
+                    "Unicorn 2 with its header: Debian's package libunicorn-dev; scripts/chip.sh \
+                     installs it"
+                        .into(),
+                ),
+            },
+        },
+        Check {
+            what: "probe-rs",
+            purpose: "flashes an image to a board with a debug probe",
+            needed_for: &[Task::Flash],
+            state: program("probe-rs", "`cargo install probe-rs-tools`"),
+        },
+        Check {
+            what: "serial port",
+            purpose: "connects to a board",
+            needed_for: &[Task::Port],
+            state: ports::state(),
+        },
+    ]
+}
+
+/// The firmware for each kind of drives, emulated and for the microcontroller.
+fn of_images() -> [Check; 6] {
+    [
+        Check {
             what: "image qemu",
             purpose: "the firmware for the emulated board",
             needed_for: &[Task::Pil],
@@ -133,29 +165,16 @@ fn of_boards() -> [Check; 10] {
             state: image::state("stm32f405"),
         },
         Check {
-            what: "unicorn",
-            purpose: "emulates the core of the simulated STM32F405",
-            needed_for: &[Task::Chip],
-            state: match has_header("unicorn/unicorn.h") {
-                Some(place) => State::Found(place),
-                None => State::Missing(
-                    "Unicorn 2 with its header: Debian's package libunicorn-dev; scripts/chip.sh \
-                     installs it"
-                        .into(),
-                ),
-            },
-        },
-        Check {
-            what: "probe-rs",
-            purpose: "flashes an image to a board with a debug probe",
+            what: "image stm32f405_stepper",
+            purpose: "the same for steppers",
             needed_for: &[Task::Flash],
-            state: program("probe-rs", "`cargo install probe-rs-tools`"),
+            state: image::state("stm32f405_stepper"),
         },
         Check {
-            what: "serial port",
-            purpose: "connects to a board",
-            needed_for: &[Task::Port],
-            state: ports::state(),
+            what: "image stm32f405_can",
+            purpose: "the same for drives on a CAN bus",
+            needed_for: &[Task::Flash],
+            state: image::state("stm32f405_can"),
         },
     ]
 }

@@ -116,7 +116,9 @@ impl Reader {
         for node in group.children() {
             match node {
                 Node::Group(group) => self.group(group)?,
-                Node::Path(path) if is_seen(path) => self.path(path)?,
+                Node::Path(path) if is_seen(path) && !self.is_left_white(path) => {
+                    self.path(path)?;
+                }
                 Node::Text(text) => {
                     self.note("texts are drawn as outlines of DejaVu Sans");
                     let spans = text.layouted().iter();
@@ -175,6 +177,12 @@ impl Reader {
         }
         self.pens.add(path, strokes);
         Ok(())
+    }
+
+    /// Whether a hatch leaves the whole path white, as the page is.
+    fn is_left_white(&self, path: &usvg::Path) -> bool {
+        let has_line = path.stroke().is_some_and(|it| it.opacity().get() > 0.0);
+        self.hatch.is_some() && !has_line && !path.fill().is_some_and(is_ink)
     }
 
     fn note(&mut self, what: &'static str) {
