@@ -1,6 +1,6 @@
 //! Runs on an arm whose drives are on a CAN bus.
 
-use super::{RunError, SimulatedArm, SimulatedDrives, check_mismatch, start_pose};
+use super::{RunError, SimulatedArm, SimulatedDrives, prepared};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::can::{BusCommand, BusDrives, BusSample, Frame};
 use fivebar_firmware::{ArmCommand, ArmSample};
@@ -14,9 +14,7 @@ impl SimulatedDrives for BusDrives {
         let robot = &scenario.robot;
         let bus = robot.can_bus();
         let bus = bus.ok_or_else(|| RunError::NoBus(robot.name.clone()))?;
-        let pose = start_pose(scenario)?;
-        let parameters = scenario.arm().plant_parameters()?;
-        check_mismatch(scenario, &parameters)?;
+        let (pose, parameters) = prepared(scenario)?;
         let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
         let mut plant = CanPlant::new(&parameters, bus, mismatch, &pose, seed);
         for &fault in &scenario.initial_faults {

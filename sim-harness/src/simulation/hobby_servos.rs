@@ -1,7 +1,7 @@
 //! Runs on an arm with hobby servos. Their controller is that of stepper drives, whose micro-steps are units of the timer
 //! that makes the pulses: it takes the place that a servo is told for the place where it is.
 
-use super::{RunError, ServoLimits, SimulatedArm, check_mismatch, start_pose};
+use super::{RunError, ServoLimits, SimulatedArm, prepared};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
@@ -30,9 +30,7 @@ pub(super) fn plant(
     scenario: &Scenario,
     servos: &[HobbyServo; 2],
 ) -> Result<HobbyServoPlant, RunError> {
-    let pose = start_pose(scenario)?;
-    let parameters = scenario.arm().plant_parameters()?;
-    check_mismatch(scenario, &parameters)?;
+    let (pose, parameters) = prepared(scenario)?;
     let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
     let mut plant = HobbyServoPlant::new(&parameters, servos, mismatch, &pose, seed);
     for &fault in &scenario.initial_faults {

@@ -206,9 +206,7 @@ impl Simulate for Scenario {
 
     fn plant(&self) -> Result<Plant, RunError> {
         let arm = self.arm().brushed()?;
-        let pose = start_pose(self)?;
-        let parameters = arm.plant_parameters()?;
-        check_mismatch(self, &parameters)?;
+        let (pose, parameters) = prepared(self)?;
         let mut plant = Plant::new(&parameters, &self.mismatch, &pose, self.seed);
         if let Some(clearance) = self.clearance {
             if plant.drives().is_some() {
@@ -351,11 +349,14 @@ fn start_pose(scenario: &Scenario) -> Result<Pose<f64>, RunError> {
     Ok(scenario.arm().pose_near_home(before)?)
 }
 
-/// Whether the mismatch fits the robot.
-fn check_mismatch(scenario: &Scenario, parameters: &Parameters) -> Result<(), RunError> {
-    let fits = scenario.mismatch.check_for(parameters);
+/// Where the arm is put, and its parameters, which the mismatch fits.
+fn prepared(scenario: &Scenario) -> Result<(Pose<f64>, Parameters), RunError> {
+    let pose = start_pose(scenario)?;
+    let parameters = scenario.arm().plant_parameters()?;
+    let fits = scenario.mismatch.check_for(&parameters);
     fits.map_err(|error| RunError::Mismatch {
         robot: scenario.robot.name.clone(),
         error,
-    })
+    })?;
+    Ok((pose, parameters))
 }

@@ -1,6 +1,6 @@
 //! Runs on an arm with steppers.
 
-use super::{RunError, SimulatedArm, SimulatedDrives, check_mismatch, start_pose};
+use super::{RunError, SimulatedArm, SimulatedDrives, prepared};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
 use fivebar_firmware::{ArmCommand, ArmSample};
@@ -14,9 +14,7 @@ impl SimulatedDrives for StepDrives {
         let robot = &scenario.robot;
         let motors = robot.steppers();
         let motors = motors.ok_or_else(|| RunError::NoSteppers(robot.name.clone()))?;
-        let pose = start_pose(scenario)?;
-        let parameters = scenario.arm().plant_parameters()?;
-        check_mismatch(scenario, &parameters)?;
+        let (pose, parameters) = prepared(scenario)?;
         let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
         let mut plant = StepperPlant::new(&parameters, &motors, mismatch, &pose, seed);
         for &fault in &scenario.initial_faults {
