@@ -14,14 +14,16 @@ export CARGO_INCREMENTAL=0
 format() { cargo fmt --all --check; }
 lint() {
     cargo clippy --workspace --all-targets --quiet -- -D warnings
+    cargo clippy --package fivebar --test machine --quiet -- -D warnings
     cargo clippy --workspace --all-targets --quiet \
         --features fivebar-tests/emulator,fivebar/mcap,fivebar/png -- -D warnings
 }
 docs() { scripts/docs.sh; }
-# Whether the mistakes that are seeded into the firmware still find their places in it.
+# Whether the mistakes that are seeded into the firmware, and the patch that adds a kind of drive, still find their places.
 mistakes() {
     firmware/mistakes.py --check
     verify/chip/mistakes.py --check
+    scripts/fifth_kind.sh --check
 }
 licences() { scripts/licences.sh; }
 # Status 77: this machine cannot check it. That is no failure and no pass, and the last line says so.
@@ -36,6 +38,18 @@ tests() {
     cargo test
     cargo test --package fivebar --package fivebar-report --features fivebar/mcap,fivebar/png -- mcap log image
 }
+# The rows of the documents' tables that `cargo test` leaves out, and the whole exploration of the controller. By name
+# only: a release needs them, a push does not.
+# The hostile files are also read in their full length, by the optimised readers that the program has, and a fifth kind of
+# drive is added to a copy of the sources.
+tables() {
+    cargo test -- --ignored whole_table
+    cargo test --release --package fivebar-files --test hostile -- --ignored
+    cargo test --manifest-path verify/chip/Cargo.toml --test crystals -- --ignored whole_table
+    scripts/fifth_kind.sh
+}
+# The program on a machine: these tests measure times, so nothing else runs beside them.
+machine() { cargo test --package fivebar --test machine; }
 # Each published crate as a package, compiled from its own archive. Each run takes a new target folder, because
 # cargo unpacks an archive once for each path and version: at a known path it would compile the crates of an older run.
 package() {
@@ -69,7 +83,7 @@ bring_up() { scripts/bring_up.sh; }
 emulated() {
     cargo test --package fivebar-tests --features emulator \
         --test images --test instructions --test emulated_boards --test emulated_drives --test emulated_faults \
-        --test emulated_homing --test emulated_port --test production_image --test stack --test live_page
+        --test emulated_homing --test emulated_live --test emulated_port --test production_image --test stack --test live_page
     cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
 }
 # Builds the fuzz targets and runs each over its committed inputs.
@@ -82,12 +96,15 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated fuzz package bring_up senders)
+all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated fuzz package machine bring_up senders)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
 # build in folders of their own, or the tests alone: the program in `target` is that of the other steps.
 beside=(chip emulated fuzz package)
 # These come last and alone: they talk with an arm that moves in real time.
-alone=(bring_up senders)
+alone=(machine bring_up senders)
+
+# A whole run needs some 40 GB: a full disk shows as a failure of any step.
+free() { df --output=avail --human-readable . | tail -1 | tr -d ' '; }
 
 not_checked=()
 run() {
@@ -99,7 +116,7 @@ run() {
         if [[ " ${not_checked[*]} " == *" $step "* ]]; then
             echo "==> $step: NOT CHECKED"
         else
-            echo "==> $step: passed in $((SECONDS - started)) s"
+            echo "==> $step: passed in $((SECONDS - started)) s, $(free) left on the disk"
         fi
     done
 }

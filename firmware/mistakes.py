@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Seeds mistakes into the controller's portable part, one at a time, in a copy of the sources,
-and runs the tests of fivebar-firmware. Each must be caught.
+"""Seeds mistakes into the controller's portable part and into crates of the host, one at a time, in a copy of the
+sources, and runs the crate's tests. Each must be caught. The table is docs/verify/data/mistakes.csv.
 
-    firmware/mistakes.py            all of them; the table goes to docs/verify/mistakes.md
-    firmware/mistakes.py 3 7        those by number, without writing the table
-    firmware/mistakes.py --check    only whether each old text occurs once in its file
+    firmware/mistakes.py            all of them
+    firmware/mistakes.py 3 7        those by number
+    firmware/mistakes.py --check    only whether each old text occurs once in its file, and what the page says
 """
 import pathlib
 import sys
@@ -53,7 +53,7 @@ MISTAKES = [
     ("crossings never forbidden", "planner/crossing.rs", "if !self.crossing_allowed {", "if false {"),
     ("a crossing that misses its condition", "planner/crossing.rs", "difference.norm() <= MISMATCH", "difference.norm() <= 100.0 * MISMATCH"),
     ("a crossing from another place", "planner/crossing.rs", "const STEP: f32 = 2e-5;", "const STEP: f32 = 2e-3;"),
-    ("a stuck crossing stays powered", "controller/crossing.rs", "const PATIENCE: u32 = 2;", "const PATIENCE: u32 = 200;"),
+    ("a stuck crossing stays powered", "controller/crossing.rs", "const TIMEOUT_FACTOR: u32 = 2;", "const TIMEOUT_FACTOR: u32 = 200;"),
     ("a stuck crossing keeps its angles", "controller/transitions.rs", "self.settings.assembly();\n        self.homed = false;", "self.settings.assembly();"),
     ("no following error beside the zone of a crossing", "controller/crossing.rs", "if model.monitor.following_error_exceeded([error1, error4]) {", "if false {"),
     ("the assembly mode stays at a crossing", "controller/crossing.rs", "model.assembly = model.assembly.opposite();", ""),
@@ -88,7 +88,7 @@ MISTAKES = [
     ("bridges driven before they are awake", "controller/model.rs", "(D::WAKE_UP_TIME * settings.control.tick_rate) as u32 + 1",
      "1"),
     ("a bridge's fault of joint 4 unchecked", "controller/faults.rs", "if driver1 | driver4 {", "if driver1 | (driver1 & driver4) {"),
-    ("a bridge judged while it wakes up", "controller/tick.rs", "self.measured_fault(&measurement)", "self.sampled_fault(sample, &measurement)"),
+    ("a bridge judged while it wakes up", "controller/tick.rs", "self.measured_fault(&measurement)", "self.fault_in_sample(sample, &measurement)"),
     ("too hot is no fault", "drives/brushed/mod.rs", "motor.warm(model)",
      "(motor.warm(model) && self.bus_voltage < 0.0)"),
     ("bus voltage unchecked", "controller/faults.rs", "        self.drives.supply_fault()\n",
@@ -103,7 +103,7 @@ MISTAKES = [
     ("homing ignores a silent host", "controller/homing.rs", "if self.host_timed_out() {", "if self.host_timed_out() && self.homed {"),
     ("homing leaves the arm homed while it searches", "controller/homing.rs", "self.homed = false;\n        self.homing", "self.homing"),
     ("wrong branch after homing accepted", "controller/homing.rs", "if tool.working_mode(&pose) != self.settings.working_mode() {", "if !u1.x.is_finite() {"),
-    ("following error unchecked while homing", "controller/homing.rs", "if self.model.monitor.following_error_exceeded(self.error) {", "if self.homed && self.model.monitor.following_error_exceeded(self.error) {"),
+    ("following error unchecked while homing", "controller/homing.rs", "if Scalar::abs(error1) > most1 || Scalar::abs(error4) > most4 {", "if self.homed && (Scalar::abs(error1) > most1 || Scalar::abs(error4) > most4) {"),
     ("homing's torque of joint 4 unlimited", "controller/homing.rs", "Ok((error, limited(demanded, axis.homing_torque)))", "Ok((error, limited(demanded, if joint.counts() == 0 { 0.0 } else { 100.0 * axis.homing_torque })))"),
     ("homing done with one switch found", "controller/homing.rs", "self.homing.iter().all(|state| state.found().is_some())", "self.homing.iter().any(|state| state.found().is_some())"),
     ("switches of the joints exchanged", "controller/homing.rs", "let ([closed1, closed4], [index1, index4]) = (sample.home, sample.index);",
@@ -155,7 +155,7 @@ MISTAKES = [
     ("settings applied while armed", "controller/mod.rs", "        if self.state != State::Stopped {\n            return Err(self.state);\n        }\n", ""),
     ("settings applied unchecked by the board", "session/mod.rs", "limits.is_none_or(|limits| limits.check(settings).is_ok())", "limits.is_none_or(|limits| limits.check(settings).is_ok() || true)"),
     ("default settings saved", "session/mod.rs", "        if !self.has_settings {\n            return Err(CommandError::NoSettings);\n        }\n        board", "        board"),
-    ("homing on default settings", "session/mod.rs", "matches!(request, Request::Arm | Request::Home | Request::Excite(_))", "matches!(request, Request::Arm | Request::Excite(_))"),
+    ("homing on default settings", "controller/request.rs", "Request::Arm | Request::Home | Request::Excite(_) => true,", "Request::Arm | Request::Excite(_) => true,\n            Request::Home => false,"),
     ("a repeated command executed again", "session/mod.rs", "SequenceCheck::Next => {", "SequenceCheck::Next | SequenceCheck::Repeat => {", "            SequenceCheck::Repeat => Some(host.reply.clone()),\n", ""),
     ("an early command executed", "session/mod.rs", "SequenceCheck::Next => {", "SequenceCheck::Next | SequenceCheck::Gap => {", "            SequenceCheck::Gap => {\n                let next = CommandError::OutOfSequence(host.last.next());\n                reply::<C>(sequence, Reply::Refused(next))\n            }\n", ""),
     ("an emergency stop waits for its number", "session/mod.rs", "controller.lock(|controller| controller.latch_fault(Fault::EmergencyStop));", "let _ = Fault::EmergencyStop;"),
@@ -177,7 +177,7 @@ MISTAKES = [
     ("homing at more current than joint 1's peak", "settings/table.rs", "all.least(|axis| axis.peak_current)", "all.axes[1].peak_current"),
     ("joint 1 unchecked", "settings/check.rs", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes) {\n            for field", "for (joint, axis) in [1, 4].into_iter().zip(&self.axes).skip(1) {\n            for field"),
     ("a board's count rate of one joint only", "settings/board.rs", "settings.axes.iter().all(", "settings.axes.iter().take(1).all("),
-    ("a fault that holds the arm leaves the tool down in its tick", "controller/tick.rs", "self.take_turn(sample);\n        command.tool = self.path.tool_output();", "command.tool = self.path.tool_output();\n        self.take_turn(sample);"),
+    ("a fault that holds the arm leaves the tool down in its tick", "controller/tick.rs", "self.run_time_slice(sample);\n        command.tool = self.path.tool_output();", "command.tool = self.path.tool_output();\n        self.run_time_slice(sample);"),
     ("the tool not switched off when off", "controller/tick.rs", "        self.release();\n        self.path.switch_tool_off();\n", "        self.release();\n"),
     ("a stop on the path leaves the tool down", "controller/path/mod.rs", "pub(crate) fn brake(&mut self) {\n        self.output.switch_off();", "pub(crate) fn brake(&mut self) {"),
     ("a stop passes segments that switch the tool on", "controller/path/mod.rs", "changes_tool && advance.is_none()", "changes_tool", ".time_scaled(sigma, sigma_dot);\n", ".time_scaled(sigma, sigma_dot);\n            if self.output.is_busy() {\n                self.output.step(segment.tool_output(), 1.0);\n            }\n"),
@@ -216,8 +216,8 @@ MISTAKES = [
      "        self.demand"),
     ("a fault that waits outlasts the bridges", "controller/tick.rs", "        self.pending_off = None;\n        self.setpoint.rest();", "        self.setpoint.rest();"),
     ("a stop that waits outlasts the bridges", "controller/tick.rs", "        self.pending_stop = None;\n        self.pending_off = None;", "        self.pending_off = None;"),
-    ("a set-point that moves on with the bridges off", "controller/tick.rs", "        self.setpoint.rest();\n        self.past.restart();",
-     "        self.past.restart();"),
+    ("a set-point that moves on with the bridges off", "controller/tick.rs", "        self.setpoint.rest();\n        self.setpoint_history.restart();",
+     "        self.setpoint_history.restart();"),
     ("missed ticks leave the tool down in their tick", "controller/tick.rs", "None => self.unpowered(),\n        }\n    }", "None => {}\n        }\n    }"),
     ("missed ticks hide an encoder jump", "controller/tick.rs", "Some(fault) => self.power_off(fault),\n            None => self.unpowered()", "Some(_) => self.unpowered(),\n            None => self.unpowered()"),
     ("a duty that is not a number leaves the tool down in its tick", "controller/tick.rs", "            self.path.switch_tool_off();\n            return None;", "            return None;"),
@@ -229,7 +229,7 @@ MISTAKES = [
     ("a half that cannot be read taken for an empty one", "storage/mod.rs", "return Err(StorageError::Flash),\n                Ok(None)", "continue,\n                Ok(None)"),
     ("an encoder's age ignored", "controller/model.rs", "D::lag(settings, stage) + axis.encoder_latency",
      "D::lag(control, stage) + 0.0 * axis.encoder_latency"),
-    ("a silent host looked for in every second turn", "controller/turns.rs", "self.pending_stop = self.stopping_fault();", "if joint.index() == 0 { self.pending_stop = self.stopping_fault(); }"),
+    ("a silent host looked for in every second turn", "controller/time_slices.rs", "self.pending_stop = self.stopping_fault();", "if joint.index() == 0 { self.pending_stop = self.stopping_fault(); }"),
     ("joint 4's encoder table unchecked", "settings/check.rs", ".zip(&self.encoder_tables) {", ".zip(&self.encoder_tables).take(1) {"),
     ("an over-current limit that joint 4's sensor cannot tell", "settings/table.rs", "self.least(AxisSettings::greatest_current)", "self.axes[0].greatest_current()"),
     ("an armed arm in the working mode of before", "controller/request.rs", "        self.mode = mode;\n", "        let _ = mode;\n"),
@@ -252,7 +252,7 @@ MISTAKES = [
     ("viscous and Coulomb friction exchanged", "controller/model.rs", "axis.viscous_friction,\n                axis.coulomb_friction,", "axis.coulomb_friction,\n                axis.viscous_friction,"),
     ("heat by the peak current", "drives/brushed/motor.rs", "axis.continuous_current,\n                axis.thermal_time_constant,",
      "axis.peak_current,\n                axis.thermal_time_constant,"),
-    ("an excitation on default settings", "session/mod.rs", "matches!(request, Request::Arm | Request::Home | Request::Excite(_))", "matches!(request, Request::Arm | Request::Home)"),
+    ("an excitation on default settings", "controller/request.rs", "Request::Arm | Request::Home | Request::Excite(_) => true,", "Request::Arm | Request::Home => true,\n            Request::Excite(_) => false,"),
     ("a board's count rate at the planned speed", "settings/board.rs", "settings.protection.over_speed * counts_per_turn", "axis.max_speed * counts_per_turn"),
     ("a board's count rate of a reversed gear", "settings/board.rs", "axis.encoder_counts as f32 * Scalar::abs(axis.gear_ratio)", "axis.encoder_counts as f32 * axis.gear_ratio"),
     ("the counts of a reversed gear unchecked", "settings/homing.rs", "self.encoder_counts as f32 * Scalar::abs(self.gear_ratio)", "self.encoder_counts as f32 * self.gear_ratio"),
@@ -263,15 +263,15 @@ MISTAKES = [
      "            current: drives.current_demand,\n            duty"),
     ("the state before a fault reported as the fault", "controller/report.rs", "state: latched.state,", "state: self.state,"),
     ("an excitation of an arm that is homed", "controller/excitation.rs", "if self.homed {\n            return Err", "if self.homed && self.ticks == 0 {\n            return Err"),
-    ("an end in motion taken for a rest", "planner/supply.rs", "open: ends_in_motion(&segment),", "open: false,"),
+    ("an end in motion taken for a rest", "planner/segment_feed.rs", "open: ends_in_motion(&segment),", "open: false,"),
     ("the planner ignores the torque", "planner/mod.rs", "torque: Some(TorqueLimits {", "torque: None.or(Some(TorqueLimits {", "torque: settings.peak_torque().map(|torque| share * torque),\n            }),", "torque: settings.peak_torque().map(|torque| 1e6 * share * torque),\n            })),"),
     ("corners cut ten times as far", "planner/mod.rs", "*deviation = motion.corner_tolerance", "*deviation = 10.0 * motion.corner_tolerance"),
     ("no path beyond the reserve handed over", "planner/mod.rs", "RESERVE + 0.5 * stopping_time(settings)", "RESERVE"),
     ("an old command answered with the last reply", "session/mod.rs", "SequenceCheck::Old => None,", "SequenceCheck::Old => Some(host.reply.clone()),"),
     ("a tool's position reported for an arm that is not homed", "controller/report.rs", "tool: homed\n                .then(", "tool: (homed || angle[0].is_finite())\n                .then("),
     ("a reference reported with the bridges off", "controller/report.rs", "self.is_powered().then(|| match self.state", "self.begun.then(|| match self.state"),
-    ("an arm held under a fault not watched for its host's silence", "controller/turns.rs", "} else if self.abandoned() {", "} else if self.abandoned() && self.state == State::Armed {"),
-    ("joint 4's motor does not cool with the bridges off", "controller/turns.rs", "            8 => self.warm(Driven::Joint4),\n            3 | 11", "            8 => self.warm(Driven::Joint1),\n            3 | 11"),
+    ("an arm held under a fault not watched for its host's silence", "controller/time_slices.rs", "} else if self.abandoned() {", "} else if self.abandoned() && self.state == State::Armed {"),
+    ("joint 4's motor does not cool with the bridges off", "controller/time_slices.rs", "            8 => self.warm(Driven::Joint4),\n            3 | 11", "            8 => self.warm(Driven::Joint1),\n            3 | 11"),
     ("a timed move may begin with another speed", "planner/timed.rs", ".zip(&begins).zip(STEP);", ".zip(&begins).zip(STEP).take(1);"),
     ("other moves taken while a timed motion goes on", "planner/timed.rs", "self.in_motion = open.then_some(end);", "self.in_motion = None;"),
     ("timed moves with half again the torque", "planner/mod.rs", "limits.torque = self.peak_torque;", "limits.torque = self.peak_torque.map(|torque| 1.5 * torque);"),
@@ -361,58 +361,120 @@ MISTAKES = [
     ("segments taken while the brakes engage", "controller/planning.rs", "self.state.follows_paths() && !self.brake.is_ending()", "self.state.follows_paths()"),
     ("index pulses not compared", "controller/tick.rs", "        self.compare_pulses(sample);\n", ""),
     ("index pulses compared with angles that were given", "controller/request.rs", "self.homed_by_index = false;", ""),
-    ("joint 1's switch not compared", "controller/turns.rs", "                self.compare_switch(0, sample);\n", ""),
-    ("joint 4's switch not compared", "controller/turns.rs", "                self.compare_switch(1, sample);\n", ""),
-    ("a disturbance of a switch is a fault", "controller/passing.rs", "WRONG_LOOKS: u8 = 4", "WRONG_LOOKS: u8 = 1"),
+    ("joint 1's switch not compared", "controller/time_slices.rs", "                self.compare_switch(0, sample);\n", ""),
+    ("joint 4's switch not compared", "controller/time_slices.rs", "                self.compare_switch(1, sample);\n", ""),
+    ("a disturbance of a switch is a fault", "controller/index_check.rs", "WRONG_LOOKS: u8 = 4", "WRONG_LOOKS: u8 = 1"),
     ("lost counts leave the arm homed", "safety/fault.rs", "                | Self::EncoderStuck\n                | Self::LostCounts\n", "                | Self::EncoderStuck\n"),
     ("a period of steps one clock longer", "drivers/steps.rs", "top: period as u16 - 1,", "top: period as u16,"),
     ("the direction changes within pulses", "drivers/steps.rs", "if turns && self.now == 0 {", "if turns {"),
     ("frames of an old tick stay", "drives/can/waiting.rs", "        self.frames.clear();\n        can.abort();\n", "        can.abort();\n"),
     ("mailboxes of an old tick stay", "drives/can/waiting.rs", "        can.abort();\n", ""),
     ("the fourth frame of a tick is lost", "drives/can/waiting.rs", "self.frames.iter().skip(self.put)", "self.frames.iter().take(3).skip(self.put)"),
-    ("a field that leads the other way", "drives/lead.rs", "arcsine(sine) * (2.0 / PI)", "arcsine(-sine) * (2.0 / PI)"),
-    ("the lead taken for the rotor's place", "drives/step.rs", "            counts.wrapping_sub(self.lead.made())", "            counts"),
+    ("a field that leads the other way", "drives/load_angle.rs", "arcsine(sine) * (2.0 / PI)", "arcsine(-sine) * (2.0 / PI)"),
+    ("the lead taken for the rotor's place", "drives/step.rs", "            counts.wrapping_sub(self.load_angle.made())", "            counts"),
     ("a field that leads by what a loop wants", "drives/step.rs", ".map(|torque| demand.keeps_to_motion.then_some(torque));", ".map(Some);"),
-    ("lost steps hidden by the lead", "drives/step.rs", "let told = self.made.wrapping_sub(self.lead.made());", "let told = self.made;"),
+    ("lost steps hidden by the lead", "drives/step.rs", "let told = self.made.wrapping_sub(self.load_angle.made());", "let told = self.made;"),
     ("two drives of one node", "settings/bus.rs", "kind == other && node1 != node4", "kind == other"),
+    ("a motor's correction is kept without power: a step of two full steps at arming", "drives/step_loss.rs", "(self.offset, self.led, self.difference) = (0.0, 0.0, 0.0);", "(self.offset, self.difference) = (0.0, 0.0);"),
+    ("steppers without encoders stay homed without power", "drives/step.rs", "            UnpoweredPlace::Lost\n", "            UnpoweredPlace::Kept\n"),
+    ("one encoder of two keeps the place of steppers", "drives/step.rs", "axis1.has_encoder && axis4.has_encoder", "axis1.has_encoder || axis4.has_encoder"),
+    ("steppers with absolute angles lose their place", "drives/step.rs", "self.is_absolute || axis1.has_encoder", "axis1.has_encoder"),
+    ("drives that were silent keep their zero", "drives/torque.rs", "Some(Fault::DriveSilent | Fault::BusOff) if", "Some(Fault::BusOff) if"),
+    ("drives behind a bus off keep their zero", "drives/torque.rs", "Some(Fault::DriveSilent | Fault::BusOff) if", "Some(Fault::DriveSilent) if"),
+    ("absolute drives on a bus lose their angles and the others keep them", "drives/torque.rs", "if !self.is_absolute => {", "if self.is_absolute => {"),
+    ("an unconfirmed place without power is believed", "controller/tick.rs", "self.drives.unpowered_place() != UnpoweredPlace::Kept", "self.drives.unpowered_place() == UnpoweredPlace::Lost"),
+    ("a clear of the host does not reach the drives", "controller/transitions.rs", "                self.drives.clear_errors();\n", ""),
+    ("errors of drives are cleared in each tick from a clear on", "drives/torque.rs", "core::mem::take(&mut self.clear_ordered)", "self.clear_ordered"),
+    ("a drive whose errors were cleared still has them", "drives/can/link.rs", "        self.health = DriveHealth::Off;\n        self.clearing = CLEARING;", "        self.clearing = CLEARING;"),
+    ("errors of an MIT-type drive without one are cleared", "drives/can/link.rs", "Protocol::Mit(_) if self.health == DriveHealth::Error =>", "Protocol::Mit(_) if self.age < u16::MAX =>"),
+    ("a clear takes the place of no command", "drives/can/link.rs", "        if clears && let Some(frame)", "        if clears && !enable && self.health == DriveHealth::Drives && let Some(frame)"),
+    ("drives' watchdogs of a tick less", "drives/can/mod.rs", "TOLERATED_TICKS + 2;", "TOLERATED_TICKS + 1;"),
+    ("drives' watchdogs of two ticks more", "drives/can/mod.rs", "TOLERATED_TICKS + 2;", "TOLERATED_TICKS + 4;"),
+    ("an answer of a tick more is believed", "drives/torque.rs", "pub const OLDEST_ANSWER: u16 = 2;", "pub const OLDEST_ANSWER: u16 = 3;"),
+    ("one late answer is a fault", "drives/torque.rs", "pub const OLDEST_ANSWER: u16 = 2;", "pub const OLDEST_ANSWER: u16 = 1;"),
+    ("a shaft whose answer is late stands still", "drives/can/link.rs", "                drive.turns += drive.speed * self.period;\n", ""),
+    ("a shaft whose answer is in time turns on, too", "drives/can/link.rs", "(2..=OLDEST_ANSWER).contains(&drive.age)", "(1..=OLDEST_ANSWER).contains(&drive.age)"),
+    ("the turns of a path's start are not looked at", "planner/check.rs", ".check_from(&segment, feed, start.turns)", ".check_from(&segment, feed, None)"),
+    ("the turns of a timed move's start are not looked at", "planner/timed.rs", ".check_timed_from(&segment, &self.friction, turns)", ".check_timed_from(&segment, &self.friction, None)"),
+    ("a joint move begins in the first turn of its limits", "planner/check.rs", "            Some([near1, near4]) => Some([near(theta1, near1), near(theta4, near4)]),\n", "", "            None => workspace.limits?", "            _ => workspace.limits?"),
+    ("brakes of drives that follow a motion are tested by their torques", "controller/holding_brake.rs", "        if follows_motion {\n            self.brake.go_on_without_power();\n        }\n", ""),
+    ("brakes that nothing shows to hold are tested", "controller/holding_brake.rs", "if follows_motion && self.drives.unpowered_place() == UnpoweredPlace::Lost {", "if follows_motion && self.drives.unpowered_place() == UnpoweredPlace::Unconfirmed {"),
+    ("an open-loop arm is switched off when it is homed", "controller/homing.rs", "if self.drives.unpowered_place() == UnpoweredPlace::Lost {", "if self.drives.unpowered_place() == UnpoweredPlace::Unconfirmed {"),
+    ("declared angles of an open-loop arm take no power", "controller/request.rs", "Request::SetAngles(_) => self.drives.unpowered_place() == UnpoweredPlace::Lost,", "Request::SetAngles(_) => false,"),
+    ("ten times the points of a drawing", "host/files/src/budget.rs", "const MOST_POINTS: usize = 1_000_000;", "const MOST_POINTS: usize = 10_000_000;"),
+    ("a count that is no number is within a budget", "host/files/src/budget.rs", "if count <= self.left as f64 {", "if !(count > self.left as f64) {"),
+    ("a budget that is not used up", "host/files/src/budget.rs", "        self.left = self.left.checked_sub(count).ok_or(self.over)?;\n", "        self.left.checked_sub(count).ok_or(self.over)?;\n"),
+    ("an arc whose sweep rounds to nothing is a dot", "host/files/src/job/arc.rs", "none if none < NO_SWEEP => TAU,", "none if none < NO_SWEEP => none,"),
+    ("an arc that nearly closes moves its centre", "host/files/src/job/arc.rs", "let parts = if nearly_closes { PARTS } else { 1 };", "let parts = if nearly_closes { 1 } else { 1 };"),
+    ("the end's radius from the start of an arc on", "host/files/src/job/arc.rs", "let radius = radius + share * (end_radius - radius);", "let radius = end_radius;"),
+    ("an arc's R has no absolute tolerance", "host/files/src/job/arc.rs", "missing > rounding.max(RADIUS_SHARE * radius.abs())", "missing > RADIUS_SHARE * radius.abs()"),
+    ("a position range of ten times the step", "host/files/src/robot/plausible/drive.rs", "const POSITION_STEP: f64 = 0.1;", "const POSITION_STEP: f64 = 1.0;"),
+    ("ranges of velocity and torque of ten times the step", "host/files/src/robot/plausible/drive.rs", "const OTHER_STEP: f64 = 0.01;", "const OTHER_STEP: f64 = 0.1;"),
+    ("a position range without its gear", "host/files/src/robot/plausible/drive.rs", "let error = robot.protection.following_error * motor.gear_ratio.abs();", "let error = robot.protection.following_error;"),
+    ("ten times the tolerance is drawn", "sim-harness/src/simulation/verdict.rs", "(worst.error > tolerance).then", "(worst.error > 10.0 * tolerance).then"),
+    ("an unfinished job is judged without its end", "sim-harness/src/simulation/verdict.rs", "            worst = worst.or(drawing.end);\n", "            worst = worst.or(worst);\n"),
+    ("a stopped run is a finished one", "sim-harness/src/simulation/verdict.rs", "(!finished).then(|| \"the run", "(!finished && worst.error > tolerance).then(|| \"the run"),
+    ("hobby servos are not late", "sim-harness/src/simulation/verdict.rs", "servos.dead_band_m + servos.late_s * speed", "servos.dead_band_m"),
+    ("motion with the tool up counts", "sim-harness/src/simulation/verdict.rs", "drawing.down.unwrap_or(drawing.whole)", "drawing.whole"),
+    ("a held motion goes on for 1.5 s", "host/fivebar/src/serve/held_motion.rs", "Duration::from_millis(150)", "Duration::from_millis(1500)"),
+    ("an older hold's renewals count", "host/fivebar/src/serve/held_motion.rs", "(held.page, held.number) == (event.page.id, Some(number))", "held.page == event.page.id && held.number.is_some() && number > 0"),
+    ("another page's renewals count", "host/fivebar/src/serve/held_motion.rs", "(held.page, held.number) == (event.page.id, Some(number))", "held.number == Some(number)"),
+    ("a lost page's motion waits for its renewals", "host/fivebar/src/serve/held_motion.rs", "if is_lost || self.session", "if self.session"),
+    ("a held joint turns the other way", "host/fivebar/src/serve/held_motion.rs", "to[index] += distance * rate.signum();", "to[index] -= distance * rate.signum();"),
+    ("intervals of 90 %", "design/src/statistics.rs", "student_beyond(middle, freedom) > 0.05", "student_beyond(middle, freedom) > 0.1"),
+    ("the tail of two components as of one's square", "design/src/statistics.rs", "libm::exp(-0.5 * freedom *", "libm::exp(-freedom *"),
+    ("one half of a degree of freedom more in Student's tail", "design/src/statistics.rs", "0.5 * freedom, 0.5)\n}", "0.5 * freedom + 0.5, 0.5)\n}"),
+    ("the χ² tail of twice the freedom", "design/src/statistics.rs", "incomplete_gamma(0.5 * freedom,", "incomplete_gamma(freedom,"),
 ]
 
 
+# The other crates in which mistakes are seeded, and their tests.
+CRATES = {
+    "design": ["--package", "fivebar-design", "--lib"],
+    "host/files": ["--package", "fivebar-files", "--lib", "--test", "files"],
+    "host/fivebar": ["--package", "fivebar", "--test", "serve"],
+    "sim-harness": ["--package", "fivebar-sim", "--lib"],
+}
+
+
 def path_of(file):
-    return f"firmware/src/{file}"
+    return file if (ROOT / file).is_file() else f"firmware/src/{file}"
+
+
+def commands(path, near):
+    """What runs the tests for a mistake in this file: of a test's name, or all, the quick ones first, because a run ends
+    with the first program of tests that fails."""
+    for folder, tests in CRATES.items():
+        if path.startswith(folder + "/"):
+            return [[*tests, *filter(None, [near])]]
+    if near:
+        return [["--package", "fivebar-firmware", "--lib", "--tests", near]]
+    slow = ["planner", "settings"]
+    tests = sorted(path.parent.name for path in (ROOT / "firmware/tests").glob("*/main.rs"))
+    groups = [["--lib"]]
+    for part in ([name for name in tests if name not in slow], slow):
+        groups.append([word for name in part for word in ("--test", name)])
+    return [["--package", "fivebar-firmware", *group] for group in groups]
 
 
 def main():
-    seeded_mistakes.check_texts(MISTAKES, path_of)
+    table = ROOT / "docs/verify/data/mistakes.csv"
+    seeded_mistakes.check_texts(MISTAKES, path_of, table, ROOT / "docs/verify/mistakes.md")
     copy = seeded_mistakes.BUILT / "mistakes-firmware"
     seeded_mistakes.copy_sources(copy)
     # Random tests need no smallest example.
     environment = seeded_mistakes.without_target_dir(PROPTEST_MAX_SHRINK_ITERS="0")
-    # What is quick comes first, because a run ends with the first test program that fails.
-    slow = ["planner", "settings"]
-    tests = sorted(path.parent.name for path in (ROOT / "firmware/tests").glob("*/main.rs"))
-    quick = [name for name in tests if name not in slow]
-    groups = [["--lib"]]
-    for part in (quick, slow):
-        groups.append([word for name in part for word in ("--test", name)])
 
-    def test():
+    def test(path, near):
         output = ""
-        for group in groups:
-            command = ["cargo", "test", "--package", "fivebar-firmware", *group]
-            done = seeded_mistakes.run(*command, cwd=copy, env=environment)
+        for arguments in commands(path, near):
+            done = seeded_mistakes.run("cargo", "test", *arguments, cwd=copy, env=environment)
             output += done.stdout + done.stderr
             if done.returncode != 0:
                 break
         return done.returncode, output
 
-    head = (
-        "# Mistakes seeded into the controller\n\n"
-        "Mistakes that `firmware/mistakes.py` seeds into the controller's portable part, one at a time, and\n"
-        "the tests that caught each. A run ends with the first test program in which one fails, so others\n"
-        "may catch it, too.\n\n"
-    )
-    seeded_mistakes.check(MISTAKES, copy, path_of, test, ROOT / "docs/verify/mistakes.md", head)
+    seeded_mistakes.check(MISTAKES, copy, path_of, test, table)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-units='turns|1|pixels|greys|bytes|codes|cycles|KiB|µm|A²|m²|m³|Pa|A|H|Hz|J|K|N|V|W|kg|m|mm|rad|s|ticks|us|Ω'
+units='turns|1|pixels|greys|bytes|codes|cycles|KiB|µm|A²|m²|m³|Pa|A|H|Hz|MHz|J|K|N|V|W|kg|m|mm|rad|s|ticks|us|Ω'
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 

@@ -113,13 +113,14 @@ def list_mutants(crate, files):
 
 
 def list_mistakes():
-    """Those of firmware/mistakes.py as mutants."""
+    """Those of firmware/mistakes.py in the controller, as mutants."""
     spec = importlib.util.spec_from_file_location("mistakes", ROOT / "firmware/mistakes.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return [
         {"name": f"{number}: {name}", "file": module.path_of(file), "texts": texts}
         for number, (name, file, *texts) in enumerate(module.MISTAKES, 1)
+        if module.path_of(file).startswith("firmware/")
     ]
 
 

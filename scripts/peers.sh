@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Checks our output with other programs, from PyPI: MuJoCo must move the exported arm as our plant
-# does, the reader of the MCAP project must find every sample in a run's log, and the travel between strokes must
+# Checks our output with other programs, from PyPI: Pinocchio and MuJoCo must give exported arms the accelerations of our
+# equations, pydot must read the graph, MuJoCo must move the exported arm as our plant does, the reader of the MCAP project must find every sample in a run's log, and the travel between strokes must
 # not be longer than vpype's.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
 
 venv=$built/peers-venv
-if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros1, vpype' 2>/dev/null; then
+if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros1, pinocchio, pydot, vpype' 2>/dev/null; then
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet mujoco mcap mcap-ros1-support vpype
+    "$venv/bin/pip" install --quiet mujoco mcap mcap-ros1-support pin pydot vpype
 fi
 out=$built/peers
 mkdir -p "$out"
@@ -36,5 +36,6 @@ fivebar export urdf usp_2dof --out "$out/arm.urdf"
 "$venv/bin/python" tests/peers/mujoco_motion.py "$out/arm.urdf" \
     "$out/level" 1e-3 "$out/loaded" 1e-3 "$out/upright" 1.0435e-4
 "$venv/bin/python" tests/peers/mcap_counts.py "$out/level/run.mcap" "$out/level/trace.csv"
+"$venv/bin/python" tests/peers/dynamics.py "$built/debug/fivebar" "$out/dynamics"
 cargo build --quiet --package fivebar-files --example travel
 "$venv/bin/python" tests/peers/travel.py "$built/debug/examples/travel" "$venv/bin/vpype" "$out/travel"

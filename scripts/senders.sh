@@ -2,7 +2,8 @@
 # Tests `fivebar bridge` with two real senders, in a fresh virtual environment: Printrun's printcore
 # over TCP and grbl-streamer, which counts characters, at the pseudo-terminal.
 #
-#   scripts/senders.sh              with the simulated arm
+#   scripts/senders.sh              with a simulated arm of each kind of drive
+#   scripts/senders.sh --robot leg  with this one
 #   scripts/senders.sh --emulated   with the firmware on the emulated board (scripts/firmware.sh)
 set -euo pipefail
 cd "$(dirname "$0")/.."

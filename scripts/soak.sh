@@ -9,11 +9,15 @@
 #   scripts/soak.sh links                         a job over bad links: the table
 #   scripts/soak.sh arms FIRST_SEED COUNT         commissioning of random simulated arms
 #   scripts/soak.sh belts FIRST_SEED COUNT        random arms on belts against their predictions
-#   scripts/soak.sh faults FIRST_SEED COUNT       single faults of the arm in every state; writes
-#                                                 docs/verify/fault-campaign.md
+#   scripts/soak.sh faults FIRST_SEED COUNT       single faults of brushed arms in every state; writes
+#                                                 docs/verify/data/fault_campaign_brushed.csv
+#   scripts/soak.sh kinds FIRST_SEED COUNT        COUNT trials of every fault on every kind of drive in
+#                                                 every state; writes docs/verify/fault-campaign.md
 #   scripts/soak.sh steppers SEED ARMS JOBS       random jobs on random arms with steppers lose no step
 #   scripts/soak.sh stepper-rivals SEED ARMS JOBS likewise, against the best constant acceleration: the table of
 #                                                 docs/verify/stepper-motion.md
+#   scripts/soak.sh coverage                      whether 95 % intervals of calibrations and identifications hold 95 %;
+#                                                 writes docs/verify/data/coverage.csv
 #   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -44,14 +48,20 @@ case ${1:-} in
     faults)
         FAULTS_SEED=$2 FAULTS_COUNT=$3 soak --test fault_campaign -- many_random_faults
         ;;
+    kinds)
+        FAULTS_SEED=$2 FAULTS_COUNT=$3 soak --test fault_campaign -- every_fault_on_every_kind
+        ;;
     steppers | stepper-rivals)
         name=lose_no_step
         [ "$1" = steppers ] || name=against_the_best_constant
         STEPPERS_SEED=$2 STEPPERS_ARMS=$3 STEPPERS_JOBS=$4 cargo test --quiet --release \
             --package fivebar-sim --test runs -- --nocapture --ignored "$name"
         ;;
+    coverage)
+        soak --test commissioning -- coverage::data::the_results
+        ;;
     serve)
-        SOAK_MINUTES=$2 cargo test --quiet --package fivebar --test serve -- \
+        SOAK_MINUTES=$2 cargo test --quiet --package fivebar --test machine -- \
             --nocapture --ignored --exact soak::memory_stays_flat_while_clients_come_and_go
         ;;
     *)

@@ -13,6 +13,8 @@ pub(crate) struct ActiveFaults {
     pub(crate) driver_fault: [bool; 2],
     /// Full steps of which the driver is going to miss the pulses.
     pub(crate) missed_steps: [u32; 2],
+    /// Whether one phase of each stepper is open.
+    pub(crate) phase_open: [bool; 2],
     /// Drives on a bus that take no part on it, and those that are about to reset.
     pub(crate) cut_off: [bool; 2],
     pub(crate) resets: [bool; 2],

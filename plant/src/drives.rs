@@ -60,7 +60,7 @@ struct WholeRates {
 }
 
 impl Whole {
-    #[inline]
+    #[inline(always)]
     fn after(&self, rates: &WholeRates, time: f64) -> Self {
         let drive = |j: Joint| {
             let (state, rate) = (&self.drives[j], &rates.drives[j]);

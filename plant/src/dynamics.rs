@@ -71,6 +71,7 @@ impl State {
         }
     }
 
+    #[inline(always)]
     pub(crate) fn after(&self, rates: &Rates, time: f64) -> Self {
         let mut next = *self;
         for i in 0..4 {

@@ -189,6 +189,11 @@ pub enum FaultKind {
         /// The full steps.
         steps: u32,
     },
+    /// One phase of a stepper is open: it has no current.
+    PhaseOpen {
+        /// The joint.
+        joint: Joint,
+    },
     /// A drive on a bus takes no part on it any more: it neither answers nor hears.
     CanSilent {
         /// The joint.

@@ -7,12 +7,13 @@ use fivebar_firmware::drives::can::odrive::{self, Message};
 use fivebar_firmware::drives::can::{Frame, Protocol, sensed_after};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::{
-    BusEvent, CanDrive, CanPlant, FaultKind, Mismatch, Parameters, WATCHDOG, Wires, bits_on_bus,
+    BusEvent, CanDrive, CanPlant, FaultKind, Mismatch, Parameters, Wires, bits_on_bus,
 };
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 const TICK: f64 = 1e-3;
+const WATCHDOG: f64 = 2e-3;
 const GEAR: f64 = 3.0;
 const NODES: [u8; 2] = [1, 2];
 const MIT: Ranges = Ranges {
@@ -48,6 +49,7 @@ fn arm(protocol: Protocol) -> CanPlant {
         rotor_inertia: 3e-5,
         peak_torque: 1.0,
         lag: 3e-4,
+        watchdog: WATCHDOG,
     };
     let bus = (protocol, NODES.map(drive));
     CanPlant::new(&parameters(), bus, &Mismatch::NONE, &pose(), 1)

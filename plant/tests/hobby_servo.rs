@@ -221,6 +221,25 @@ fn without_power_a_servo_gives_no_torque_and_with_it_turns_to_its_set_point() {
 }
 
 #[test]
+fn on_too_little_voltage_a_servo_gives_no_torque_and_on_too_much_it_breaks_for_good() {
+    let pushed = pose([START[0] + 0.2, START[1] - 0.2]);
+    for (volts, then) in [(0.0, true), (3.0, true), (60.0, false)] {
+        let mut plant = arm(SERVO);
+        plant.arm_mut().hold_by_hand(&pushed, TICK);
+        rest(&mut plant, 0.05);
+        assert_ne!(plant.torque()[0], 0.0);
+        plant.arm_mut().inject(FaultKind::BusVoltage { volts });
+        rest(&mut plant, 0.05);
+        assert_eq!(plant.torque(), [0.0; 2], "{volts} V");
+        let volts = SUPPLY;
+        plant.arm_mut().inject(FaultKind::BusVoltage { volts });
+        plant.arm_mut().hold_by_hand(&pushed, TICK);
+        rest(&mut plant, 0.05);
+        assert_eq!(plant.torque()[0] != 0.0, then, "{volts} V");
+    }
+}
+
+#[test]
 fn a_horn_that_sits_wrongly_turns_its_joint_by_that_angle() {
     let mismatch = Mismatch {
         home_error: [0.05, 0.0],

@@ -6,7 +6,8 @@ use fivebar_firmware::drives::StepCommand;
 use fivebar_firmware::{ActuatorCommand, ArmCommand};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::{
-    FaultKind, Mismatch, Parameters, Plant, Stepper, StepperPlant, Transmission, Windings,
+    DriverMode, FaultKind, Mismatch, Parameters, Plant, Rotor, Stepper, StepperPlant, Transmission,
+    Windings,
 };
 use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -26,6 +27,7 @@ const NEMA17: Stepper = Stepper {
     inductance: 2.8e-3,
     detent_torque: 0.0,
     encoder: false,
+    driver: DriverMode::Current,
 };
 /// Micro-steps per radian at the joint.
 const PER_RADIAN: f64 = 200.0 * 16.0 * 4.0 / TAU;
@@ -84,10 +86,16 @@ fn simulated_pull_out(motor: &Stepper, current: f64, speed: f64) -> [f64; 2] {
                 let rotor = turned / motor.periods();
                 let (sin, cos) = (turned + lag).sin_cos();
                 let set_point = [current * cos, current * sin];
-                windings.step(motor, set_point, (rotor, speed), SUPPLY, time);
+                windings.step(
+                    motor,
+                    set_point,
+                    &Rotor::new(motor, rotor, speed),
+                    SUPPLY,
+                    time,
+                );
                 if period == periods_to_settle {
-                    let half_a_step_on = rotor + 0.5 * speed * time;
-                    sum += windings.torque(motor, half_a_step_on) / steps;
+                    let half_a_step_on = Rotor::new(motor, rotor + 0.5 * speed * time, speed);
+                    sum += windings.torque(motor, &half_a_step_on) / steps;
                 }
             }
         }
@@ -197,16 +205,48 @@ fn the_rotor_oscillates_about_the_field_at_its_natural_frequency() {
     assert!((largest * PER_RADIAN / 2.0 - 1.0).abs() < 0.02, "{largest}");
 }
 
-/// Both joints go out and back along a sine, `amplitude` [rad] at `rate` [rad/s], for one period.
-fn swing(plant: &mut StepperPlant, amplitude: f64, rate: f64) {
+/// Both joints go out and back along a sine, `amplitude` [rad] at `rate` [rad/s], for one period, in ticks of `tick` [s].
+/// Each tick's tool.
+fn swing_in(plant: &mut StepperPlant, amplitude: f64, rate: f64, tick: f64) -> Vec<Vector2<f64>> {
     let mut made = 0;
-    for tick in 1..=(TAU / rate / TICK) as u32 {
-        let wanted = amplitude * (1.0 - (rate * f64::from(tick) * TICK).cos()) / 2.0;
+    let mut tools = Vec::new();
+    for k in 1..=(TAU / rate / tick) as u32 {
+        let wanted = amplitude * (1.0 - (rate * f64::from(k) * tick).cos()) / 2.0;
         let steps = (wanted * PER_RADIAN).round() as i32 - made;
         made += steps;
-        plant.step(&command([steps, -steps]), TICK);
+        plant.step(&command([steps, -steps]), tick);
+        tools.push(plant.tool());
     }
-    plant.step(&command([-made, made]), TICK);
+    plant.step(&command([-made, made]), tick);
+    tools
+}
+
+fn swing(plant: &mut StepperPlant, amplitude: f64, rate: f64) {
+    swing_in(plant, amplitude, rate, TICK);
+}
+
+/// Ticks of all rates that controllers have, and of one that no step divides [s].
+const TICKS: [f64; 5] = [1e-3, 5e-4, 2e-4, 1e-4, 1.37e-4];
+
+/// The joints follow their fields by a spring of some 100 Hz, and the micro-steps excite it. Half the steps, in both
+/// mechanics and windings, make a quarter of the error.
+#[test]
+fn half_the_steps_place_the_tool_where_it_was() {
+    let parameters = parameters([5e-3, 0.02]);
+    for tick in TICKS {
+        let [coarse, fine] = [
+            arm(&parameters, NEMA17),
+            arm(&parameters, NEMA17).with_finer_steps(),
+        ]
+        .map(|mut plant| swing_in(&mut plant, 0.4, 12.0, tick));
+        let apart = coarse
+            .iter()
+            .zip(&fine)
+            .map(|(one, other)| (one - other).norm());
+        let most = apart.fold(0.0, f64::max);
+        println!("ticks of {tick} s: {:.3} µm", 1e6 * most);
+        assert!(most < 1e-6, "{most} m in ticks of {tick} s");
+    }
 }
 
 #[test]
@@ -219,7 +259,12 @@ fn energy_is_neither_made_nor_lost() {
         stiffness: Some(300.0),
         damping: 0.02,
     };
-    for transmission in [Transmission::default(), belt] {
+    let rigid = Transmission::default();
+    for (transmission, tick) in TICKS
+        .map(|tick| (rigid, tick))
+        .into_iter()
+        .chain([(belt, TICK)])
+    {
         let mut parameters = parameters([5e-3, 0.02]);
         parameters.transmissions = [transmission; 2];
         let mut plant = StepperPlant::new(
@@ -230,17 +275,19 @@ fn energy_is_neither_made_nor_lost() {
             1,
         );
         let start = plant.stored();
-        swing(&mut plant, 0.4, 12.0);
+        swing_in(&mut plant, 0.4, 12.0, tick);
         for _ in 0..100 {
             let mut off = command([0; 2]);
             off.enable = [false; 2];
-            plant.step(&off, TICK);
+            plant.step(&off, tick);
         }
         let energy = plant.energy();
         let gap = plant.stored() - start - (energy.supplied - energy.lost);
         println!("{gap:.2e} J of {energy:?}");
         assert!(energy.supplied > 1.0);
-        assert!(gap.abs() < 2e-4 * energy.supplied, "{gap} {energy:?}");
+        // A rotor behind a belt, alone, swings faster.
+        let share = if transmission == rigid { 2e-5 } else { 1e-4 };
+        assert!(gap.abs() < share * energy.supplied, "{gap} {energy:?}");
     }
 }
 
@@ -408,6 +455,28 @@ fn pulses_that_a_driver_misses_leave_its_joint_behind_the_steps_made() {
         / TAU;
     let counted = plant.sense().counts[0].wrapping_sub(counts[0]);
     assert!((f64::from(counted) - turned * per_radian).abs() <= 1.0);
+}
+
+#[test]
+fn a_motor_with_an_open_phase_has_no_current_where_its_field_is_that_phases_alone() {
+    let mut plant = arm(&parameters([0.3, 0.0]), NEMA17);
+    plant.arm_mut().inject(FaultKind::PhaseOpen {
+        joint: Joint::Joint1,
+    });
+    rest(&mut plant, 0.02);
+    let rated = |current: f64| (current - NEMA17.rated_current).abs() < 0.01;
+    assert!(
+        plant.current().into_iter().all(rated),
+        "{:?}",
+        plant.current()
+    );
+    // A full step on, the field is the other phase's.
+    for _ in 0..16 {
+        plant.step(&command([1, 1]), TICK);
+    }
+    rest(&mut plant, 0.1);
+    let [open, whole] = plant.current();
+    assert!(open.abs() < 0.01 && rated(whole), "{open} {whole}");
 }
 
 #[test]

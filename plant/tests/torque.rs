@@ -2,7 +2,7 @@
 
 use fivebar_firmware::Settings;
 use fivebar_kinematics::five_bar::{Joint, Pose};
-use fivebar_plant::{Mismatch, Parameters, TorquePlant};
+use fivebar_plant::{GREATEST_STEP, Mismatch, Parameters, TooFast, TorquePlant};
 use nalgebra::Vector2;
 
 fn parameters() -> Parameters {
@@ -54,7 +54,7 @@ fn it_moves_as_the_equations_of_motion_say() {
         q = ahead(q, mean(v1, v2, v3, v4), h);
         v = ahead(v, mean(a1, a2, a3, a4), h);
         if step % 10 == 9 {
-            arm.step(torque, 10.0 * h);
+            arm.step(torque, 10.0 * h).unwrap();
         }
     }
     for j in Joint::ALL {
@@ -74,13 +74,59 @@ fn friction_ends_the_motion_and_no_brake_holds_it() {
     parameters.brake_torque = [10.0; 2];
     let mut arm = TorquePlant::new(&parameters, &Mismatch::NONE, &pose([2.2, 0.9]));
     for _ in 0..50 {
-        arm.step([0.1, 0.0], 1e-3);
+        arm.step([0.1, 0.0], 1e-3).unwrap();
     }
     let turned = arm.angle(Joint::Joint1) - 2.2;
     assert!(turned > 0.01, "{turned} rad");
     let rolling = arm.velocity(Joint::Joint1);
     for _ in 0..200 {
-        arm.step([0.0; 2], 1e-3);
+        arm.step([0.0; 2], 1e-3).unwrap();
     }
     assert!(arm.velocity(Joint::Joint1).abs() < 0.9 * rolling.abs());
+}
+
+/// θ and ω of joints 1 and 4, and the time, bit by bit.
+fn bits(arm: &TorquePlant) -> [u64; 5] {
+    let [one, four] = Joint::ALL.map(|j| [arm.angle(j), arm.velocity(j)]);
+    [one[0], one[1], four[0], four[1], arm.time()].map(f64::to_bits)
+}
+
+#[test]
+fn a_long_step_is_integrated_in_steps_of_the_greatest_length() {
+    let parameters = parameters();
+    let new = || TorquePlant::new(&parameters, &Mismatch::NONE, &pose([2.2, 0.9]));
+    let (mut once, mut often, mut finely) = (new(), new(), new());
+    once.step([0.03, -0.02], 200.0 * GREATEST_STEP).unwrap();
+    for _ in 0..200 {
+        often.step([0.03, -0.02], GREATEST_STEP).unwrap();
+    }
+    for _ in 0..2_000 {
+        finely.step([0.03, -0.02], 0.1 * GREATEST_STEP).unwrap();
+    }
+    assert_eq!(bits(&once), bits(&often));
+    for j in Joint::ALL {
+        let off = once.angle(j) - finely.angle(j);
+        assert!(off.abs() < 1e-7, "{off} rad");
+    }
+    assert!(once.velocity(Joint::Joint1).abs() > 1.0);
+}
+
+#[test]
+fn a_motion_that_is_not_finite_or_too_fast_is_refused_and_changes_nothing() {
+    let parameters = parameters();
+    let mut arm = TorquePlant::new(&parameters, &Mismatch::NONE, &pose([2.2, 0.9]));
+    arm.step([0.05, 0.0], 0.01).unwrap();
+    let before = bits(&arm);
+    for (torque, time) in [
+        ([1e308, 0.0], 1e-3),
+        ([0.0, -1e308], 1.0),
+        ([f64::NAN, 0.0], 1e-6),
+        ([0.0; 2], f64::NAN),
+        ([1e5, 0.0], 1e-3),
+    ] {
+        assert_eq!(arm.step(torque, time), Err(TooFast), "{torque:?}, {time}");
+        assert_eq!(bits(&arm), before);
+    }
+    arm.step([0.05, 0.0], 1e-3).unwrap();
+    assert!(Joint::ALL.iter().all(|&j| arm.velocity(j).is_finite()));
 }

@@ -1,6 +1,7 @@
 //! The effect of tolerances and clearances: the answers of `fivebar accuracy`, as their JSON.
 
 use crate::error;
+use crate::pool::on_all_cores;
 use crate::robot::Robot;
 use fivebar_design::accuracy::Sampling;
 use fivebar_design::accuracy::five_bar::{MonteCarlo, ToolState, monte_carlo};
@@ -36,7 +37,9 @@ pub(crate) fn accuracy(
     let sampling = Sampling { samples, seed };
     let toleranced = robot.toleranced();
     let sampled = match parts {
-        None => py.detach(|| monte_carlo(&toleranced, &state, &analysis, sampling, &|_| ())),
+        None => on_all_cores(py, || {
+            monte_carlo(&toleranced, &state, &analysis, sampling, &|_| ())
+        })?,
         Some(parts) => {
             let slices: Vec<&[f64]> = parts
                 .iter()
@@ -75,12 +78,12 @@ pub(crate) fn accuracy_part<'py>(
     let sampling = Sampling { samples, seed };
     let toleranced = robot.toleranced();
     let [first, end] = blocks;
-    let numbers: Vec<f64> = py.detach(|| {
+    let numbers: Vec<f64> = on_all_cores(py, || {
         let block =
             |block| MonteCarlo::block(&toleranced, &state, &analysis, sampling, block, &|_| ());
         let blocks = first..end.min(sampling.blocks());
         blocks.flat_map(|index| block(index).to_numbers()).collect()
-    });
+    })?;
     Ok(numbers.into_pyarray(py))
 }
 
@@ -104,13 +107,13 @@ pub(crate) fn accuracy_map_of(
     wanted: Option<(f64, String)>,
 ) -> PyResult<String> {
     let robot = &robot.described;
-    let map = py.detach(|| accuracy_map(robot, force.into(), region));
+    let map = on_all_cores(py, || accuracy_map(robot, force.into(), region))?;
     let map = map.map_err(|refusal| error::study(py, refusal))?;
     let mut answer = map_answer(&robot.name, &map);
     if let Some((deviation, classes)) = wanted {
         let classes = Classes::read(Path::new(&classes));
         let classes = classes.map_err(|refusal| error::study(py, refusal))?;
-        let cheapest = py.detach(|| cheapest(&map, deviation, &classes));
+        let cheapest = on_all_cores(py, || cheapest(&map, deviation, &classes))?;
         let cheapest = cheapest.map_err(|refusal| error::study(py, refusal))?;
         answer["allocation"] = allocation_answer(&cheapest);
     }
@@ -128,7 +131,7 @@ pub(crate) fn linkage_accuracy(
 ) -> PyResult<String> {
     let driven = DrivenLinkage::load(file).map_err(|refusal| error::study(py, refusal))?;
     let sampling = Sampling { samples, seed };
-    let found = py.detach(|| study_linkage(&driven, time, sampling, &|_| ()));
+    let found = on_all_cores(py, || study_linkage(&driven, time, sampling, &|_| ()))?;
     let found = found.map_err(|refusal| error::study(py, refusal))?;
     Ok(linkage_answer(&driven, &found).to_string())
 }
@@ -148,12 +151,12 @@ pub(crate) fn slider_accuracy(
         let reason = format!("{file} is an arm with four links: ask Arm.accuracy");
         return Err(error::study(py, reason));
     };
-    let found = py.detach(|| {
+    let found = on_all_cores(py, || {
         let analysis = analyse_slider(&robot, at.into(), force.into())?;
         let sampling = Sampling { samples, seed };
         let sampled = sample_slider(&robot.toleranced(), &analysis, sampling, &|_| ());
         Ok(slider_answer(&robot, &analysis, &sampled))
-    });
+    })?;
     let found = found.map_err(|refusal: AccuracyStudyError| error::study(py, refusal))?;
     Ok(found.to_string())
 }
@@ -178,7 +181,7 @@ pub(crate) fn accuracy_along(
     (scenario.origin, scenario.scale) = (origin, scale);
     let job = scenario.job();
     let job = job.map_err(|refusal| error::scenario(py, refusal))?;
-    let along = py.detach(|| path_accuracy(robot, &job, force.into()));
+    let along = on_all_cores(py, || path_accuracy(robot, &job, force.into()))?;
     let along = along.map_err(|refusal| error::study(py, refusal))?;
     Ok(path_answer(&robot.name, &along).to_string())
 }

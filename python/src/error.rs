@@ -45,6 +45,41 @@ pub(crate) fn study(py: Python<'_>, error: impl Display) -> PyErr {
     raise(py, "StudyError", (error.to_string(),))
 }
 
+/// A simulated motion that cannot go on.
+pub(crate) fn stopped(py: Python<'_>, error: impl Display) -> PyErr {
+    raise(py, "RunError", (error.to_string(),))
+}
+
+/// A controller that refuses, or a connection that ended.
+pub(crate) fn controller(py: Python<'_>, error: impl Display) -> PyErr {
+    raise(py, "ControllerError", (error.to_string(),))
+}
+
+/// A fault that a controller has latched.
+pub(crate) fn fault(py: Python<'_>, message: String, name: &str, number: u8) -> PyErr {
+    raise(py, "FaultError", (message, name, number))
+}
+
+/// A call that its user stopped.
+pub(crate) fn stopped_by_user(py: Python<'_>, message: String, line: Option<u32>) -> PyErr {
+    raise(py, "StoppedError", (message, line))
+}
+
+/// A job that is refused on this line.
+pub(crate) fn job(py: Python<'_>, message: String, line: u32) -> PyErr {
+    raise(py, "JobError", (message, line))
+}
+
+/// A move that cannot be done, and where its path cannot be passed [m].
+pub(crate) fn refused_move(
+    py: Python<'_>,
+    message: String,
+    line: u32,
+    point: Option<[f32; 2]>,
+) -> PyErr {
+    raise(py, "JobError", (message, line, point))
+}
+
 /// A scenario that cannot be run.
 pub(crate) fn scenario(py: Python<'_>, error: ScenarioError) -> PyErr {
     let message = error.to_string();

@@ -8,11 +8,13 @@ mod accuracy;
 mod batch;
 mod dynamics;
 mod error;
+mod live;
 mod measured;
 mod mechanism;
 mod motion;
 mod photo;
 mod plant;
+mod pool;
 mod positions;
 mod robot;
 mod simulation;
@@ -30,6 +32,8 @@ mod _native {
     };
     #[pymodule_export]
     use super::dynamics::{derivatives, forward_dynamics, inverse_dynamics};
+    #[pymodule_export]
+    use super::live::Connection;
     #[pymodule_export]
     use super::measured::{
         calibrate, calibration_poses, excitations, identify, identify_payload, simulated_log,

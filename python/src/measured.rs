@@ -1,6 +1,7 @@
 //! What measurements tell of an arm: calibration, identification.
 
 use crate::error;
+use crate::pool::on_all_cores;
 use crate::robot::Robot;
 use fivebar_design::calibration::{Criterion, Deviations};
 use fivebar_files::robot::{Measured, measured_text};
@@ -50,7 +51,7 @@ pub(crate) fn calibrate(
     let refused = |refusal| error::study(py, refusal);
     let [plate, bar, hole, photo] = sigmas;
     if bars.is_empty() && holes.is_empty() && photos.is_empty() {
-        let study = py.detach(|| calibrate_robot(arm, &points, plate, criterion));
+        let study = on_all_cores(py, || calibrate_robot(arm, &points, plate, criterion))?;
         let study = study.map_err(refused)?;
         let found = &study.calibration;
         let values = lengths(arm, &found.parameters, &found.covariance);
@@ -73,7 +74,9 @@ pub(crate) fn calibrate(
         hole,
         photo,
     };
-    let study = py.detach(|| calibrate_robot_mixed(arm, &rows, deviations, criterion));
+    let study = on_all_cores(py, || {
+        calibrate_robot_mixed(arm, &rows, deviations, criterion)
+    })?;
     let study = study.map_err(refused)?;
     let found = &study.calibration;
     let values = lengths(arm, &found.parameters, &found.covariance);
@@ -81,7 +84,7 @@ pub(crate) fn calibrate(
     Ok((
         mixed_answer(arm, &study).to_string(),
         text,
-        mixed_warnings(&study),
+        mixed_warnings(arm, &study),
     ))
 }
 
@@ -93,7 +96,7 @@ pub(crate) fn calibration_poses(
     count: usize,
     sigma: f64,
 ) -> PyResult<String> {
-    let study = py.detach(|| propose_poses(&robot.described, count, sigma));
+    let study = on_all_cores(py, || propose_poses(&robot.described, count, sigma))?;
     let study = study.map_err(|refusal| error::study(py, refusal))?;
     Ok(poses_answer(&robot.described, &study).to_string())
 }
@@ -108,7 +111,7 @@ pub(crate) fn identify(
 ) -> PyResult<Found> {
     let arm = brushed(py, robot)?;
     let refused = |refusal| error::study(py, refusal);
-    let found = py.detach(|| identify_robot(arm, &log)).map_err(refused)?;
+    let found = on_all_cores(py, || identify_robot(arm, &log))?.map_err(refused)?;
     let mut answer = identified(arm, log.len(), &found);
     if let Some(second) = second {
         let predicted = validations(arm, &found, &second).map_err(refused)?;
@@ -127,7 +130,7 @@ pub(crate) fn identify_payload(
     log: Vec<[f64; 5]>,
 ) -> PyResult<Found> {
     let arm = brushed(py, robot)?;
-    let found = py.detach(|| payload_of(arm, &log));
+    let found = on_all_cores(py, || payload_of(arm, &log))?;
     let found = found.map_err(|refusal| error::study(py, refusal))?;
     let text = rewritten(py, robot, &[measured_payload(&found)])?;
     Ok((
@@ -145,12 +148,12 @@ pub(crate) fn simulated_log(
     second: bool,
 ) -> PyResult<Vec<[f64; 5]>> {
     let arm = brushed(py, robot)?;
-    let rows = py.detach(|| {
+    let rows = on_all_cores(py, || {
         let proposed = propose_for(arm).map_err(|refusal| refusal.to_string())?;
         let excitation = &proposed[usize::from(second)].excitation;
         excite(arm, excitation, PERIODS, &Mismatch::default(), 1)
             .map_err(|refusal| refusal.to_string())
-    });
+    })?;
     rows.map_err(|refusal| error::study(py, refusal))
 }
 
@@ -158,7 +161,7 @@ pub(crate) fn simulated_log(
 #[pyfunction]
 pub(crate) fn excitations(py: Python<'_>, robot: &Robot) -> PyResult<String> {
     let arm = brushed(py, robot)?;
-    let found = py.detach(|| propose_for(arm));
+    let found = on_all_cores(py, || propose_for(arm))?;
     let found = found.map_err(|refusal| error::study(py, refusal))?;
     Ok(excitations_answer(arm, &found).to_string())
 }

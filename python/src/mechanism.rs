@@ -1,6 +1,7 @@
 //! Mechanisms beyond the five-bar arm, and the arm for other tools.
 
 use crate::error;
+use crate::pool::on_all_cores;
 use crate::robot::Robot;
 use fivebar_files::linkage::DrivenLinkage;
 use fivebar_files::mobility::{EXAMPLES, parse};
@@ -17,7 +18,7 @@ pub(crate) fn linkage(py: Python<'_>, file: &str, text: Option<&str>) -> PyResul
         None => DrivenLinkage::load(file),
     };
     let driven = driven.map_err(|refusal| error::study(py, refusal))?;
-    let summary = py.detach(|| summary(&driven, &driven.sweep()));
+    let summary = on_all_cores(py, || summary(&driven, &driven.sweep()))?;
     Ok(serde_json::json!(summary).to_string())
 }
 
@@ -30,10 +31,10 @@ pub(crate) fn mobility(py: Python<'_>, file: &str, text: &str) -> PyResult<Vec<S
         None => parse(file, text),
     };
     let cases = cases.map_err(|refusal| error::study(py, refusal))?;
-    let answers = py.detach(|| {
+    let answers = on_all_cores(py, || {
         let answers = cases.iter().map(|case| answer(&case.name, &analyse(case)));
         answers.map(|answer| answer.to_string()).collect()
-    });
+    })?;
     Ok(answers)
 }
 

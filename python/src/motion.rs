@@ -5,7 +5,6 @@ use crate::positions::{Numbers, Signs, number};
 use crate::robot::Robot;
 use crate::status::Problem;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
-use nalgebra::Vector2;
 use pyo3::prelude::*;
 
 /// A pose with all velocities and accelerations.
@@ -15,7 +14,7 @@ pub(crate) struct Motion {
     pub(crate) accelerations: Accelerations<f64>,
 }
 
-/// θ, ω, α of the driven joints to C, ṙC, r̈C, ω2, ω3, α2, α3.
+/// θ, ω, α of the driven joints to C, ṙC, r̈C, ω2, ω3, α2, α3, and the tool with its velocity and acceleration.
 #[pyfunction]
 pub(crate) fn motion<'py>(
     py: Python<'py>,
@@ -25,10 +24,11 @@ pub(crate) fn motion<'py>(
     alpha: Numbers<'py>,
     assembly: Signs<'py>,
 ) -> PyResult<Answer<'py>> {
+    let tool = robot.tool(py)?;
     let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
     let (omega, alpha) = (rows(&omega)?, rows(&alpha)?);
     let count = common([theta.len(), omega.len(), alpha.len(), assembly.len()])?;
-    solve(py, count, &[2, 2, 2, 1, 1, 1, 1], |row| {
+    solve(py, count, &[2, 2, 2, 1, 1, 1, 1, 2, 2, 2], |row| {
         let Motion {
             pose,
             velocities,
@@ -37,11 +37,17 @@ pub(crate) fn motion<'py>(
         let [_, omega2, omega3, _] = velocities.omega;
         let [_, alpha2, alpha3, _] = accelerations.alpha;
         let (c, v, a) = (pose.c, velocities.c, accelerations.c);
-        Ok([c.x, c.y, v.x, v.y, a.x, a.y, omega2, omega3, alpha2, alpha3])
+        let t = tool.point(&pose);
+        let tv = tool.velocity(&pose, &velocities);
+        let ta = tool.acceleration(&pose, &velocities, &accelerations);
+        Ok([
+            c.x, c.y, v.x, v.y, a.x, a.y, omega2, omega3, alpha2, alpha3, t.x, t.y, tv.x, tv.y,
+            ta.x, ta.y,
+        ])
     })
 }
 
-/// C, ṙC, r̈C and the elbows' signs to the angles, velocities and accelerations of
+/// The position, velocity and acceleration of C, or of the tool, and the elbows' signs to the angles, velocities and accelerations of
 /// links 1 to 4, and the assembly.
 #[allow(clippy::too_many_arguments)]
 #[pyfunction]
@@ -53,7 +59,9 @@ pub(crate) fn inverse_motion<'py>(
     acceleration: Numbers<'py>,
     elbow1: Signs<'py>,
     elbow4: Signs<'py>,
+    of_tool: bool,
 ) -> PyResult<Answer<'py>> {
+    let placed = robot.placed(py, of_tool)?;
     let (points, elbow1, elbow4) = (rows(&points)?, rows(&elbow1)?, rows(&elbow4)?);
     let (velocity, acceleration) = (rows(&velocity)?, rows(&acceleration)?);
     let count = common([
@@ -64,13 +72,9 @@ pub(crate) fn inverse_motion<'py>(
         elbow4.len(),
     ])?;
     solve(py, count, &[1; 13], |row| {
-        let geometry = robot.geometry();
-        let pose = robot.place(points[row], elbow1[row], elbow4[row])?;
-        let [x, y] = velocity[row];
-        let velocities = geometry.inverse_velocities(&pose, Vector2::new(x, y))?;
-        let [x, y] = acceleration[row];
-        let accelerations =
-            geometry.inverse_accelerations(&pose, &velocities, Vector2::new(x, y))?;
+        let pose = placed.pose(points[row], elbow1[row], elbow4[row])?;
+        let (velocities, accelerations) =
+            placed.motion(&pose, velocity[row].into(), acceleration[row].into())?;
         let [t1, t2, t3, t4] = pose.angles();
         let [w1, w2, w3, w4] = velocities.omega;
         let [a1, a2, a3, a4] = accelerations.alpha;

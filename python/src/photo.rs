@@ -1,6 +1,7 @@
 //! A photograph of a drawing, compared with its job: the answers of `fivebar photo`.
 
 use crate::error;
+use crate::pool::on_all_cores;
 use crate::robot::Robot;
 use fivebar_design::photo::{Lens, Photograph, compare};
 use fivebar_files::picture::read_picture;
@@ -30,7 +31,7 @@ pub(crate) fn photo_marks(
     job: Placed,
 ) -> PyResult<(String, String)> {
     let scenario = scenario(robot, job);
-    let found = py.detach(|| marks_job(&scenario));
+    let found = on_all_cores(py, || marks_job(&scenario))?;
     let (text, marks) = found.map_err(|refusal| error::study(py, refusal))?;
     let marks = json!({ "marks_m": marks.map(|mark| [mark.x, mark.y]) });
     Ok((text, marks.to_string()))
@@ -63,7 +64,7 @@ pub(crate) fn photo(
     let job = job.map_err(|refusal| error::scenario(py, refusal))?;
     let start = scenario.home_point().unwrap_or_default().map(f64::from);
     let strokes = strokes(&job, start);
-    let comparison = py.detach(|| {
+    let comparison = on_all_cores(py, || {
         compare(&Photograph {
             picture: &image,
             strokes: &strokes.points,
@@ -72,7 +73,7 @@ pub(crate) fn photo(
             lens: lens.map_or(Lens::Unknown, Lens::Known),
             window,
         })
-    });
+    })?;
     let study = PhotoStudy {
         strokes,
         marks: measured.unwrap_or(drawn),

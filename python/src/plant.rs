@@ -49,9 +49,17 @@ impl Plant {
     }
 
     /// Advances by `time` [s] with these torques at the joints [N·m] and this force on the tool [N].
-    fn step(&mut self, torque: [f64; 2], time: f64, force: [f64; 2]) {
+    /// After an error its state is that of before.
+    fn step(
+        &mut self,
+        py: Python<'_>,
+        torque: [f64; 2],
+        time: f64,
+        force: [f64; 2],
+    ) -> PyResult<()> {
         self.arm.set_tool_force(force.into());
-        self.arm.step(torque, time);
+        let done = self.arm.step(torque, time);
+        done.map_err(|refusal| error::stopped(py, refusal))
     }
 
     /// θ1, θ4 [rad].

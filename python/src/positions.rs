@@ -6,7 +6,9 @@ use crate::robot::{Robot, sign};
 use crate::status::Problem;
 use fivebar_files::scenario::change_of_mode;
 use fivebar_firmware::Planner;
-use fivebar_kinematics::five_bar::{Pose, Side, WorkingMode};
+use fivebar_kinematics::five_bar::{
+    Accelerations, Pose, PoseError, Side, Tool, Velocities, WorkingMode,
+};
 use nalgebra::Vector2;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
@@ -14,7 +16,7 @@ use pyo3::prelude::*;
 pub(crate) type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 pub(crate) type Signs<'py> = PyReadonlyArrayDyn<'py, i8>;
 
-/// C and the elbows' signs to θ1, θ4, θ2, θ3, assembly.
+/// C, or the tool, and the elbows' signs to θ1, θ4, θ2, θ3, assembly.
 #[pyfunction]
 pub(crate) fn inverse<'py>(
     py: Python<'py>,
@@ -22,17 +24,19 @@ pub(crate) fn inverse<'py>(
     points: Numbers<'py>,
     elbow1: Signs<'py>,
     elbow4: Signs<'py>,
+    of_tool: bool,
 ) -> PyResult<Answer<'py>> {
+    let placed = robot.placed(py, of_tool)?;
     let (points, elbow1, elbow4) = (rows(&points)?, rows(&elbow1)?, rows(&elbow4)?);
     let count = common([points.len(), elbow1.len(), elbow4.len()])?;
     solve(py, count, &[1; 5], |row| {
-        let pose = robot.place(points[row], elbow1[row], elbow4[row])?;
+        let pose = placed.pose(points[row], elbow1[row], elbow4[row])?;
         let [theta1, theta2, theta3, theta4] = pose.angles();
         Ok([theta1, theta4, theta2, theta3, number(pose.assembly())])
     })
 }
 
-/// θ1, θ4 and the assembly's sign to C, θ2, θ3, elbow 1, elbow 4.
+/// θ1, θ4 and the assembly's sign to C, θ2, θ3, elbow 1, elbow 4, the tool.
 #[pyfunction]
 pub(crate) fn forward<'py>(
     py: Python<'py>,
@@ -40,14 +44,16 @@ pub(crate) fn forward<'py>(
     theta: Numbers<'py>,
     assembly: Signs<'py>,
 ) -> PyResult<Answer<'py>> {
+    let tool = robot.tool(py)?;
     let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
     let count = common([theta.len(), assembly.len()])?;
-    solve(py, count, &[2, 1, 1, 1, 1], |row| {
+    solve(py, count, &[2, 1, 1, 1, 1, 2], |row| {
         let pose = robot.pose(theta[row], assembly[row])?;
         let [_, theta2, theta3, _] = pose.angles();
         let WorkingMode { elbow1, elbow4 } = pose.working_mode();
-        let [x, y] = pose.c.into();
-        Ok([x, y, theta2, theta3, number(elbow1), number(elbow4)])
+        let ([x, y], [tool_x, tool_y]) = (pose.c.into(), tool.point(&pose).into());
+        let elbows = [number(elbow1), number(elbow4)];
+        Ok([x, y, theta2, theta3, elbows[0], elbows[1], tool_x, tool_y])
     })
 }
 
@@ -77,16 +83,68 @@ pub(crate) fn mode_change(
         .collect())
 }
 
-impl Robot {
-    /// The pose with C at a point.
-    pub(crate) fn place(
+/// An arm of which a point is placed: C, or the tool.
+pub(crate) struct Placed(Tool<f64>);
+
+impl Placed {
+    /// The pose with the point at a place.
+    pub(crate) fn pose(
         &self,
         [x, y]: [f64; 2],
         [elbow1]: [i8; 1],
         [elbow4]: [i8; 1],
     ) -> Result<Pose<f64>, Problem> {
         let mode = WorkingMode::new(side(elbow1)?, side(elbow4)?);
-        Ok(self.geometry().inverse(Vector2::new(x, y), mode)?)
+        let point = Vector2::new(x, y);
+        Ok(match self.is_c() {
+            true => self.0.geometry().inverse(point, mode)?,
+            false => self.0.inverse(point, mode)?,
+        })
+    }
+
+    /// All velocities and accelerations from those of the point [m/s, m/s²].
+    pub(crate) fn motion(
+        &self,
+        pose: &Pose<f64>,
+        velocity: Vector2<f64>,
+        acceleration: Vector2<f64>,
+    ) -> Result<(Velocities<f64>, Accelerations<f64>), PoseError> {
+        let (tool, geometry) = (&self.0, self.0.geometry());
+        Ok(match self.is_c() {
+            true => {
+                let velocities = geometry.inverse_velocities(pose, velocity)?;
+                let accelerations =
+                    geometry.inverse_accelerations(pose, &velocities, acceleration)?;
+                (velocities, accelerations)
+            }
+            false => {
+                let velocities = tool.inverse_velocities(pose, velocity)?;
+                let accelerations = tool.inverse_accelerations(pose, &velocities, acceleration)?;
+                (velocities, accelerations)
+            }
+        })
+    }
+
+    fn is_c(&self) -> bool {
+        self.0.offset() == Vector2::zeros()
+    }
+}
+
+impl Robot {
+    /// The tool on its arm.
+    pub(crate) fn tool(&self, py: Python<'_>) -> PyResult<Tool<f64>> {
+        let tool = self.described.tool_on_link();
+        tool.map_err(|refusal| error::robot(py, refusal))
+    }
+
+    /// The arm with the point that is placed: the tool, or else C.
+    pub(crate) fn placed(&self, py: Python<'_>, of_tool: bool) -> PyResult<Placed> {
+        if of_tool {
+            return self.tool(py).map(Placed);
+        }
+        let at_c = Tool::new(*self.geometry(), Vector2::zeros());
+        at_c.map(Placed)
+            .map_err(|refusal| error::robot(py, refusal))
     }
 
     /// The pose with the driven joints at their angles.

@@ -1,6 +1,7 @@
 //! Runs: jobs of the simulated arm.
 
 use crate::error;
+use crate::pool::pool;
 use crate::robot::Robot;
 use fivebar_files::job::PETAL;
 use fivebar_files::robot::BuiltIn;
@@ -66,7 +67,7 @@ impl Scenario {
     /// the trace's columns by name, the ticks between two samples, the faults with their times
     /// from power-up, the time at which the job began, and the parts of the job skipped.
     #[allow(clippy::too_many_arguments)]
-    #[pyo3(signature = (*, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause))]
+    #[pyo3(signature = (*, origin, scale, seed, computed_torque, mismatch, tolerance, compare_pid, by_cause))]
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -75,6 +76,7 @@ impl Scenario {
         seed: Option<u64>,
         computed_torque: Option<bool>,
         mismatch: BTreeMap<String, Figure>,
+        tolerance: Option<f64>,
         compare_pid: bool,
         by_cause: bool,
     ) -> PyResult<Outcome<'py>> {
@@ -83,8 +85,10 @@ impl Scenario {
         scenario.scale = scale.unwrap_or(scenario.scale);
         scenario.seed = seed.unwrap_or(scenario.seed);
         scenario.control_law = computed_torque.map_or(scenario.control_law, ControlLaw::from_key);
+        scenario.tolerance = tolerance;
         change(&mut scenario.mismatch, mismatch)?;
         let mut interrupt = None;
+        let pool = pool().map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))?;
         let done = py.detach(|| {
             let job = scenario.job()?;
             scenario.check(&job)?;
@@ -108,7 +112,7 @@ impl Scenario {
                 summary.pid_tip_error = pid.and_then(Result::ok).map(|(pid, _)| pid.tip_error);
             }
             if by_cause {
-                summary.by_cause = scenario.by_cause(&job, &summary)?;
+                summary.by_cause = pool.install(|| scenario.by_cause(&job, &summary))?;
             }
             Ok((job, summary, record))
         });

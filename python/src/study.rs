@@ -1,6 +1,7 @@
 //! Studies: the answers of the program's commands, as their JSON.
 
 use crate::error;
+use crate::pool::on_all_cores;
 use crate::robot::Robot;
 use crate::simulation::Scenario;
 use fivebar_files::path_case::PathCase;
@@ -20,7 +21,7 @@ pub(crate) fn workspace(
     robot: &Robot,
     resolution: Option<f64>,
 ) -> PyResult<String> {
-    let study = py.detach(|| WorkspaceStudy::new(&robot.described, resolution));
+    let study = on_all_cores(py, || WorkspaceStudy::new(&robot.described, resolution))?;
     let study = study.map_err(|refusal| error::robot(py, refusal))?;
     Ok(study.answer().to_string())
 }
@@ -30,7 +31,7 @@ pub(crate) fn workspace(
 pub(crate) fn margins(py: Python<'_>, robot: &Robot) -> PyResult<String> {
     let brushed = robot.described.brushed();
     brushed.map_err(|refusal| error::robot(py, refusal))?;
-    let study = py.detach(|| MarginsStudy::new(&robot.described));
+    let study = on_all_cores(py, || MarginsStudy::new(&robot.described))?;
     let study = study.map_err(|refusal| error::robot(py, refusal))?;
     Ok(study.answer().to_string())
 }
@@ -46,7 +47,9 @@ pub(crate) fn plan(
     jerk: Option<f64>,
 ) -> PyResult<String> {
     let case = PathCase::parse(file, text).map_err(|refusal| error::study(py, refusal))?;
-    let study = py.detach(|| PlanStudy::new(&robot.described, &case, torque_share, jerk));
+    let study = on_all_cores(py, || {
+        PlanStudy::new(&robot.described, &case, torque_share, jerk)
+    })?;
     let study = study.map_err(|refusal| error::study(py, refusal))?;
     Ok(study.answer().to_string())
 }
@@ -63,11 +66,13 @@ pub(crate) fn crossing(
     let robot = &robot.described;
     let refused = |refusal: CrossingStudyError| error::study(py, refusal);
     let task = crossing_study::task(robot, ends, time).map_err(refused)?;
-    let plan = py.detach(|| task.plan());
+    let plan = on_all_cores(py, || task.plan())?;
     let plan = plan.map_err(|refusal| error::study(py, refusal))?;
     let controller = crossing_study::check_by_controller(robot, &task, &plan);
     let run = simulate.then(|| {
-        let run = py.detach(|| follow(robot, &task, &plan, &CrossingConditions::default()));
+        let run = on_all_cores(py, || {
+            follow(robot, &task, &plan, &CrossingConditions::default())
+        })?;
         run.map_err(|refusal| error::study(py, refusal))
     });
     let answer = crossing_study::answer(&plan, &controller, run.transpose()?.as_ref());
@@ -91,7 +96,9 @@ pub(crate) fn clearance(
     scenario
         .check(&job)
         .map_err(|refusal| error::run(py, &scenario.job_file, refusal))?;
-    let found = py.detach(|| clearance_study::study(&scenario, &job, &clearances, &|| ()));
+    let found = on_all_cores(py, || {
+        clearance_study::study(&scenario, &job, &clearances, &|| ())
+    })?;
     let found = found.map_err(|refusal| error::study(py, refusal))?;
     Ok(clearance_study::answer(&found).to_string())
 }

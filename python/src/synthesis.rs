@@ -1,5 +1,6 @@
 //! Lengths for a wanted work area: `fivebar design` as searches that any thread or machine does.
 
+use crate::pool::on_all_cores;
 use crate::{batch, error};
 use fivebar_design::synthesis::{Candidate, Found, Study as Described};
 use fivebar_files::design_spec;
@@ -108,7 +109,7 @@ impl Study {
         let arms: Vec<_> = arms
             .map(|&[l1, l2, l3, l4, base, size, x, y]| ([l1, l2, l3, l4, base], size, [x, y]))
             .collect();
-        let found = py.detach(|| self.study.dexterities(&arms));
+        let found = on_all_cores(py, || self.study.dexterities(&arms))?;
         Ok(found.into_pyarray(py))
     }
 
@@ -127,7 +128,7 @@ impl Study {
                 "one result for each search is needed",
             ));
         }
-        let whole = py.detach(|| self.study.finish(&found));
+        let whole = on_all_cores(py, || self.study.finish(&found))?;
         let whole = whole.map_err(|refusal| error::study(py, refusal))?;
         let stem = Path::new(&self.file).file_stem().unwrap_or_default();
         let files = synthesis_files(&stem.to_string_lossy(), self.study.specification(), &whole);

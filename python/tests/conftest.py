@@ -2,6 +2,7 @@
 
 import json
 import os
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,31 @@ def robot_file(robot):
         lines += ["[[link]]", f"length = {length}", f"mass = {mass}",
                   f"com = {[float(x) for x in com]}", f"inertia = {inertia}"]
     return "\n".join(lines)
+
+
+#: Answers to the questions of `fivebar new`: drives on a CAN bus that speak the protocol of MIT-type drives; another base and
+#: steppers of own data. The rest are defaults.
+ANSWERS = {
+    "mit": [*9 * [""], "can", "mit", *12 * [""]],
+    "new": ["", "", "0.1", *6 * [""], "stepper", "-5", "400", "8", "0.3", *12 * [""]],
+}
+
+
+@pytest.fixture(scope="session")
+def robot_of(program, tmp_path_factory):
+    """The built-in robot of a name, or the file that `fivebar new` writes for it."""
+    folder = tmp_path_factory.mktemp("arms")
+
+    def written(name):
+        if name not in ANSWERS:
+            return name
+        file = folder / f"{name}.toml"
+        if not file.exists():
+            lines = "".join(f"{line}\n" for line in ANSWERS[name])
+            subprocess.run([program, "new", file], input=lines, text=True, check=True, capture_output=True)
+        return str(file)
+
+    return written
 
 
 @pytest.fixture(scope="session")

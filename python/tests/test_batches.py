@@ -159,7 +159,7 @@ def test_other_threads_run_during_a_large_batch(arm):
     thread = threading.Thread(target=count)
     thread.start()
     before = turns[0]
-    _native.inverse(arm._robot, points, right, left)
+    _native.inverse(arm._robot, points, right, left, False)
     during = turns[0] - before
     done.set()
     thread.join()

@@ -37,12 +37,12 @@ def test_a_long_batch_is_broken_off(arm, alarms):
     right, left = -np.ones(rows, np.int8), np.ones(rows, np.int8)
     alarms()
     with pytest.raises(KeyboardInterrupt):
-        _native.inverse(arm._robot, points, right, left)
+        _native.inverse(arm._robot, points, right, left, False)
 
 
 def test_a_long_run_is_broken_off(arm, alarms):
     scenario = _native.Scenario.of_text(arm._robot, "G1 X10 F1200\nG4 S100")
     alarms()
     with pytest.raises(KeyboardInterrupt):
-        scenario.run(origin=[0.03, 0.2], scale=None, seed=None, computed_torque=None,
+        scenario.run(origin=[0.03, 0.2], scale=None, seed=None, computed_torque=None, tolerance=None,
                      mismatch={}, compare_pid=False, by_cause=False)

@@ -64,3 +64,44 @@ def test_what_cannot_be_stepped_is_refused(arm):
         fivebar.Plant(fivebar.Arm(l1=0.1, l2=0.16, base=0.08))
     with pytest.raises(ValueError, match="no such figure"):
         fivebar.Plant(arm, mismatch={"mass": 1.0})
+
+
+@pytest.mark.parametrize("dt", [0.2, 0.05, 2.5e-3])
+def test_a_long_step_is_integrated_in_steps_of_a_millisecond(arm, dt):
+    torque = (-0.05, 0.01)
+    once, often, finely = (fivebar.Plant(arm) for _ in range(3))
+    parts = int(np.ceil(dt / 1e-3))
+    once.step(torque, dt)
+    for _ in range(parts):
+        often.step(torque, dt / parts)
+    assert np.array_equal(once.theta, often.theta) and np.array_equal(once.omega, often.omega)
+    for _ in range(10 * parts):
+        finely.step(torque, 0.1 * dt / parts)
+    assert np.abs(once.theta - finely.theta).max() < 1e-6
+    assert once.time == pytest.approx(dt, rel=1e-12)
+
+
+@pytest.mark.parametrize(("torque", "force", "dt"), [
+    ((1e308, 0.0), (0.0, 0.0), 1e-3),
+    ((0.0, -1e308), (0.0, 0.0), 1.0),
+    ((0.0, 0.0), (1e308, 1e308), 1e-6),
+    ((1e4, 0.0), (0.0, 0.0), 1e-3),
+    ((1e9, 0.0), (0.0, 0.0), 1e-3),
+])
+def test_a_motion_that_is_not_finite_or_too_fast_is_refused_and_leaves_the_arm_as_it_was(
+        arm, torque, force, dt):
+    plant = fivebar.Plant(arm)
+    for _ in range(20):
+        plant.step((-0.05, 0.0), 1e-3)
+    twin = fivebar.Plant(arm)
+    for _ in range(20):
+        twin.step((-0.05, 0.0), 1e-3)
+    before = (plant.theta, plant.omega, plant.tool, plant.time)
+    with pytest.raises(fivebar.RunError, match="rad"):
+        plant.step(torque, dt, force=force)
+    after = (plant.theta, plant.omega, plant.tool, plant.time)
+    assert all(np.array_equal(a, b) for a, b in zip(before, after))
+    # It goes on as if nothing had been asked.
+    plant.step((-0.05, 0.0), 1e-3)
+    twin.step((-0.05, 0.0), 1e-3)
+    assert np.array_equal(plant.theta, twin.theta) and np.isfinite(plant.omega).all()

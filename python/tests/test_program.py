@@ -100,7 +100,7 @@ def test_an_arm_without_mismatch_is_followed_more_closely(arm):
 
 
 @pytest.mark.parametrize(("job", "options", "error", "message"), [
-    ("G1 X10", {}, fivebar.JobError, "job, line 1: .*no feed rate yet"),
+    ("G1 X10 F0", {}, fivebar.JobError, "job, line 1: .*feed rate must be above zero"),
     ("", {}, fivebar.JobError, "an empty file"),
     ("G1 X5 F600\nG1 X900", {"origin": (0.0, 0.2)}, fivebar.JobError, "job, line 2: "),
     ("petal.gcode", {}, fivebar.FivebarError, r"give pathlib\.Path\('petal\.gcode'\)"),

@@ -215,3 +215,35 @@ def test_identifications_are_those_of_the_program(program, arm, tmp_path):
     assert arm.identify_payload(first).figures == expected
     with pytest.raises(fivebar.RobotError):
         fivebar.Arm.load("benchtop_stepper").excitations()
+
+
+@pytest.mark.parametrize(("change", "key"), [
+    ({"cornres": "stop"}, "cornres"),
+    ({"Payload": 0.1}, "Payload"),
+    ({"limits": {"torque": [0.7, 0.7], "sped": [1.0, 1.0]}}, "sped"),
+    ({"path": [{"kind": "line", "from": [0.01, 0.13], "to": [0.07, 0.13], "fed": 1.0}]}, "fed"),
+])
+def test_an_unknown_key_of_a_path_is_refused(arm, change, key):
+    path = {"working_mode": ["right", "left"], "limits": {"torque": [0.7, 0.7]},
+            "path": [{"kind": "line", "from": [0.01, 0.13], "to": [0.07, 0.13]}]}
+    # Results of reference cases are not used.
+    assert arm.plan({**path, "optimal_time_s": 1.0, "cross_checks_s": {}, "runs": []})
+    with pytest.raises(fivebar.StudyError, match=key):
+        arm.plan({**path, **change})
+
+
+@pytest.mark.parametrize("place", ["case", "limb", "list"])
+def test_an_unknown_key_of_a_mechanism_is_refused(place, tmp_path):
+    path = tmp_path / "cases.json"
+
+    def ask(cases):
+        path.write_text(json.dumps(cases), encoding="utf-8")
+        return fivebar.mobility(path)
+
+    twists = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
+    case = {"name": "one", "bodies": 2, "platform_body": 1, "joints": [{"a": 0, "b": 1, "twists": twists}]}
+    assert ask({"graph": [case]})
+    listed = {"graph": [case]}
+    {"case": case, "limb": case["joints"][0], "list": listed}[place]["platfrom"] = 1
+    with pytest.raises(fivebar.StudyError, match="platfrom"):
+        ask(listed)

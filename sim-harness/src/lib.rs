@@ -1,17 +1,21 @@
 #![doc = include_str!("../README.md")]
 
 pub mod board_test;
+pub mod clock;
 #[cfg(not(target_family = "wasm"))]
 pub mod controller;
 pub mod crossing;
 pub mod drive;
 pub mod excitation;
-pub mod held;
 pub mod learning;
 pub mod link;
+#[cfg(not(target_family = "wasm"))]
+pub mod live;
+pub mod machine;
 pub mod measured_pose;
 pub mod path_queue;
 pub mod planned_time;
+pub mod safe_exit;
 pub mod segment;
 pub mod simulation;
 pub mod time_optimal;

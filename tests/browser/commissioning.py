@@ -43,6 +43,29 @@ def tasks_are_asked_for_and_a_mistake_is_named(browser):
     assert browser.text("#begin") == "Start motors", "the step is not done"
 
 
+def steppers_have_steps_of_their_own_and_a_mistake_is_named(browser):
+    begin(browser, "emergency-stop")
+    browser.wait("a task", lambda: "Press the emergency stop" in browser.text("#ask"))
+    browser.click("#all")
+    begin(browser, "switches")
+    browser.wait("a task", lambda: "Press the home switch" in browser.text("#ask"))
+    browser.click("#all")
+    begin(browser, "encoders")
+    begin(browser, "current")
+    browser.wait("a task", lambda: "Set both drivers to this current" in browser.text("#ask"))
+    assert "TMC2209" in browser.text("#lines"), browser.text("#lines")
+    browser.click("#all")
+    begin(browser, "enable")
+    browser.wait("a question", lambda: "Try gently to turn the crank of joint 1" in browser.text("#ask"))
+    browser.click("#all")
+    begin(browser, "motors")
+    browser.wait("a task", lambda: "Turn the arm by hand" in browser.text("#ask"))
+    browser.click("#all")
+    said = browser.wait("the mistake", lambda: browser.text("#trouble"))
+    assert "the driver of joint 1 turns joint 4" in said, said
+    assert browser.text("#begin") == "Start motors", "the step is not done"
+
+
 def wait_for_the_stop(browser):
     browser.wait("the stop", lambda: browser.text("#safe"))
     assert "the bridges are off" in browser.text("#trouble")
@@ -121,3 +144,9 @@ def check(program, browser):
             begin(browser, "motors")
             over(browser, "motors")
             assert browser.text("#begin") == "Start electrics", browser.text("#begin")
+        (folder / "stepper.toml").write_text('robot = "benchtop_stepper"\n' + SWAPPED)
+        options = ["--commission", str(folder / "stepper"), "--robot", "benchtop_stepper",
+                   "--scenario", str(folder / "stepper.toml")]
+        with Server(program, options=options) as server:
+            browser.open(server.url)
+            steppers_have_steps_of_their_own_and_a_mistake_is_named(browser)

@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import time
 
+import child
 from webdriver import Browser
 
 # WebDriver's commands by their methods and paths, as Marionette names them.
@@ -33,8 +34,16 @@ PREFERENCES = {
     "focusmanager.testmode": True,  # the window counts as focused, as a user's does
     "dom.w3c_touch_events.enabled": 1,
 }
-KEYS = {"Escape": "\ue00c", "Enter": "\ue007", "ArrowLeft": "\ue012", "ArrowUp": "\ue013", "ArrowRight": "\ue014",
-        "ArrowDown": "\ue015", " ": " "}
+# One event of a key with the names that the caller gives it; WebDriver's keys have names and places of their own. One
+# processor for all, because it knows which modifiers are down.
+KEY = """
+    const [kind, key, code, keyCode] = arguments;
+    const window = Services.wm.getMostRecentWindow("navigator:browser");
+    const keys = window.keysOfTheTests ??= Cc["@mozilla.org/text-input-processor;1"].createInstance(Ci.nsITextInputProcessor);
+    keys.beginInputTransactionForTests(window);
+    const event = new window.KeyboardEvent("", { key, code, keyCode });
+    keys[kind.toLowerCase()](event, key.length > 1 ? keys.KEY_NON_PRINTABLE_KEY : keys.KEY_FORCE_PRINTABLE_KEY);
+"""
 
 
 class Firefox(Browser):
@@ -47,7 +56,7 @@ class Firefox(Browser):
                 for name, value in {**PREFERENCES, "marionette.port": port}.items()]
         pathlib.Path(self.profile.name, "user.js").write_text("".join(rows))
         program = shutil.which("firefox-esr") or "firefox-esr"
-        self.driver = subprocess.Popen(
+        self.driver = child.start(
             [program, "--headless", "--marionette", "--no-remote", "-remote-allow-system-access", "--profile", self.profile.name],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + 60
@@ -108,13 +117,17 @@ class Firefox(Browser):
         across, up = self.script("return [outerWidth - innerWidth, outerHeight - innerHeight];")
         self.command("WebDriver:SetWindowRect", {"width": width + across, "height": height + up})
 
-    def dark(self, on):
+    def in_the_browser(self, script, *arguments):
+        """Runs a script with the rights of the browser itself, outside the page."""
         self.command("Marionette:SetContext", {"value": "chrome"})
         try:
-            self.command("WebDriver:ExecuteScript", {"args": [], "script":
-                f"Services.prefs.setIntPref('layout.css.prefers-color-scheme.content-override', {0 if on else 1});"})
+            self.command("WebDriver:ExecuteScript", {"args": arguments, "script": script})
         finally:
             self.command("Marionette:SetContext", {"value": "content"})
+
+    def dark(self, on):
+        self.in_the_browser(
+            "Services.prefs.setIntPref('layout.css.prefers-color-scheme.content-override', arguments[0]);", 0 if on else 1)
         self.wait("the colours", lambda: self.script(
             "return matchMedia('(prefers-color-scheme: dark)').matches;") == on)
 
@@ -135,8 +148,7 @@ class Firefox(Browser):
         self.pointer("touch", [*move, *then[kind]])
 
     def key(self, kind, key, code, number, **_):
-        self.call("POST", "/actions", {"actions": [
-            {"type": "key", "id": "keyboard", "actions": [{"type": kind, "value": KEYS[key]}]}]})
+        self.in_the_browser(KEY, kind, key, code, number)
 
     def screenshot(self, path):
         path.write_bytes(base64.b64decode(self.command("WebDriver:TakeScreenshot", {"full": False})))

@@ -10,6 +10,8 @@ import tempfile
 import threading
 import time
 
+import child
+
 UPGRADE = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
            "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ=="}
 SIDES = "G1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n"
@@ -29,8 +31,8 @@ class Server:
     def __init__(self, program, listen="127.0.0.1:0", options=()):
         self.log = tempfile.NamedTemporaryFile("r")
         with open(self.log.name, "w") as output:
-            self.process = subprocess.Popen([program, "serve", "--listen", listen, *options],
-                                            stdout=output, stderr=subprocess.STDOUT)
+            self.process = child.start([program, "serve", "--listen", listen, *options],
+                                       stdout=output, stderr=subprocess.STDOUT)
         while not self.said().endswith("\n"):
             assert self.process.poll() is None, self.said()
             time.sleep(0.02)
@@ -45,7 +47,10 @@ class Server:
 
     def __exit__(self, *_):
         self.process.send_signal(signal.SIGINT)
-        assert self.process.wait(timeout=20) == 0, "Ctrl-C ends it in order"
+        try:
+            assert self.process.wait(timeout=20) == 0, "Ctrl-C ends it in order"
+        finally:
+            self.process.kill()
 
     def said(self):
         """All its output."""

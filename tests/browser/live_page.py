@@ -83,8 +83,9 @@ def main():
         for part in (moving.check, consoles.check, runs.check):
             part(page)
         holding.check(page, server)
+        watching.a_page_that_stood_still_keeps_its_connection(page)
         reach.is_accessible(page)
-        passed("Firefox: keys, drags, jobs, held motion, console, replay, axe-core")
+        passed("Firefox: keys, drags, jobs, held motion, console, replay, a busy page, axe-core")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import subprocess
 import threading
 import time
 
+import child
 from live import Server
 
 # Homed before; each of these lines would move the arm by 5 mm.
@@ -109,8 +110,8 @@ def another_site():
 @contextlib.contextmanager
 def bridge(program):
     """`fivebar bridge` with TCP; its port."""
-    process = subprocess.Popen([program, "bridge", "--listen", "127.0.0.1:0"],
-                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    process = child.start([program, "bridge", "--listen", "127.0.0.1:0"],
+                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         yield int(process.stdout.readline().split()[0].rsplit(":", 1)[1])
     finally:

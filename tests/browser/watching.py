@@ -115,7 +115,28 @@ def a_page_cut_off_keeps_its_emergency_stop(watcher, server):
     watcher.show()
 
 
+def a_page_that_stood_still_keeps_its_connection(page):
+    """A busy page handles the ticks of its clock before the messages that came meanwhile."""
+    browser = page.browser
+    browser.script("""
+        const Socket = WebSocket;
+        window.opened = 0;
+        window.WebSocket = class extends Socket { constructor(url) { super(url); opened += 1; } };""")
+    for _ in range(3):
+        browser.script("""
+            window.awake = false;
+            setTimeout(() => {
+                const end = performance.now() + 4000;
+                while (performance.now() < end);
+                window.awake = true;
+            }, 0);""")
+        browser.wait("the page awake", lambda: browser.script("return window.awake;"))
+        time.sleep(1.5)  # longer than until a lost connection is opened again
+    assert browser.script("return opened;") == 0, "the page took its server for lost"
+
+
 def check(holder, server):
+    a_page_that_stood_still_keeps_its_connection(holder)
     watcher = a_hidden_page_keeps_control_and_a_second_one_watches(holder, server.url)
     a_closed_page_brings_the_arm_to_rest(holder, watcher)
     watcher = a_page_put_to_sleep_brings_the_arm_to_rest(watcher, server.url)

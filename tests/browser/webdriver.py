@@ -8,6 +8,8 @@ import time
 import urllib.error
 import urllib.request
 
+import child
+
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
 
 
@@ -22,7 +24,7 @@ class Browser:
     def __init__(self):
         self.clicked = ("", 0, (0, 0))  # the selector, the time [s] and the place [px] of the last click
         driver = shutil.which("chromedriver") or "chromedriver"
-        self.driver = subprocess.Popen([driver, "--port=0"], stdout=subprocess.PIPE, text=True)
+        self.driver = child.start([driver, "--port=0"], "TERM", stdout=subprocess.PIPE, text=True)
         for line in self.driver.stdout:
             if "started successfully on port" in line:
                 self.url = "http://127.0.0.1:" + line.rstrip(".\n").split()[-1]

@@ -2,8 +2,8 @@
 
     senders.py FIVEBAR [OPTION...]
 
-Each sender homes the simulated arm, runs the job to its end, pauses and resumes in between, and
-sees the error of a move out of reach. The path that the arm was told to follow, from the bridge's
+Without an option it takes an arm of each kind of drive. Each sender homes the simulated arm, runs the job to its end,
+pauses and resumes in between, and sees the error of a move out of reach. The path that the arm was told to follow, from the bridge's
 log, is compared with the strokes of the job: the tool is down on the strokes only, and every part
 of every stroke is drawn.
 """
@@ -23,6 +23,16 @@ FEED = 900  # mm/min
 ON_STROKE = 0.06  # mm: the corner tolerance and the arm's own error
 DRAWN = 0.3  # mm: the log has a line every 10 ms, in which the tool goes 0.15 mm
 STEP = 0.2  # mm
+#: An arm of each kind of drive. Those that `fivebar new` makes have the answers to its questions: default answers, with
+#: drives on a CAN bus that speak the protocol of MIT-type drives, and with another base and steppers of own data.
+ARMS = {
+    "benchtop": None,
+    "benchtop_stepper": None,
+    "leg": None,
+    "classroom_servo": None,
+    "mit": [*9 * [""], "can", "mit", *12 * [""]],
+    "new": ["", "", "0.1", *6 * [""], "stepper", "-5", "400", "8", "0.3", *12 * [""]],
+}
 LONGEST = 1200 if "--emulated" in sys.argv else 120  # s
 
 
@@ -120,7 +130,7 @@ def printrun(program, options):
         sender.resume()
         wait("the end of the job", lambda: not sender.printing and sender.clear)
         sender.send_now("G1 X900 Y0")
-        wait("an error", lambda: any("Error:joint" in line for line in said))
+        wait("an error", lambda: any("Error:" in line and "would" in line for line in said))
         said.clear()
         sender.send_now("M114")
         wait("a report", lambda: any(line.startswith("X:") for line in said))
@@ -170,11 +180,27 @@ def grbl(program, options):
     compare("grbl-streamer", bridge.path(), strokes)
 
 
+def robot(program, name, answers):
+    """The option for an arm: its name, or the file that `fivebar new` writes."""
+    if answers is None:
+        return name
+    file = Path(tempfile.mkdtemp()) / f"{name}.toml"
+    lines = "".join(f"{line}\n" for line in answers)
+    subprocess.run([program, "new", str(file)], input=lines, text=True, check=True, capture_output=True)
+    return str(file)
+
+
+def check(program, options):
+    for options in [options] if options else [["--robot", robot(program, *arm)] for arm in ARMS.items()]:
+        print("senders:", *options, flush=True)
+        printrun(program, options)
+        grbl(program, options)
+
+
 if __name__ == "__main__":
     status = 1
     try:
-        printrun(sys.argv[1], sys.argv[2:])
-        grbl(sys.argv[1], sys.argv[2:])
+        check(sys.argv[1], sys.argv[2:])
         status = 0
     except SystemExit as failed:
         print(failed)

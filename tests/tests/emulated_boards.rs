@@ -42,6 +42,7 @@ fn the_emulated_board_gives_the_bits_of_this_process() {
     let (lockstep, summary, record) = run(|_| ());
     assert_eq!(lockstep.first_difference(), None);
     assert_eq!(summary.faults, [""; 0]);
+    assert!(summary.verdict.drawn, "{:?}", summary.verdict);
     assert!(lockstep.ticks() >= 3_000, "{} ticks", lockstep.ticks());
     let begun = record.begun.expect("the job began");
     assert!(record.simulated - begun > 0.3, "{summary:?}");

@@ -172,7 +172,10 @@ const MIT: [&str; 2] = [
 
 #[test]
 fn micro_steps_have_the_bits_of_this_process() {
-    let scenario = demonstration("benchtop_stepper", [UPRIGHT, BRAKES, SOON_HOMED]);
+    let scenario = demonstration(
+        "benchtop_stepper",
+        [UPRIGHT, BRAKES, WITH_ENCODERS, SOON_HOMED],
+    );
     is_exact::<StepDrives>(("steppers", STEPS), scenario, on_steppers, None);
 }
 

@@ -4,10 +4,12 @@
 
 use fivebar::bridge::for_pages;
 use fivebar::serve::{Guard, ServeError, ServeOptions, serve};
+use fivebar_files::job::JobReader;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::safety::State;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{Mismatch, Plant};
+use fivebar_sim::clock::Clock;
 use fivebar_sim::controller::ControllerSource;
 use fivebar_sim::link::{Client, Loopback, SerialLine};
 use serde_json::{Value, json};
@@ -67,6 +69,8 @@ fn options(guard: Guard) -> ServeOptions {
         guard,
         senders: for_pages(None),
         time_optimal: None,
+        jobs: JobReader::default(),
+        clock: Clock::real(),
     }
 }
 
@@ -214,7 +218,8 @@ fn board() -> (Until<()>, String) {
         plant.step(command, period);
         plant.sense()
     };
-    let mut controller = Loopback::driving(&settings, Box::new(arm)).expect("valid settings");
+    let controller = Loopback::driving(&settings, Box::new(arm));
+    let mut controller: Loopback = controller.expect("valid settings");
     let board = Until::start(move |ends| {
         // The near end stays open; otherwise reads of the far end fail before the server opens
         // the port.

@@ -18,7 +18,7 @@ from bring_up import JOB, Board, run
 
 # Of each image: what `monitor` calls it, and the answers to `new`: nine about the arm, and those about its motors.
 KINDS = {
-    "stm32f405_stepper": ("steppers", 9 * [""] + ["stepper"] + 8 * [""]),
+    "stm32f405_stepper": ("steppers", 9 * [""] + ["stepper"] + 9 * [""]),
     "stm32f405_can": ("CAN", 9 * [""] + ["can", "odrive"] + 6 * [""]),
 }
 

@@ -13,6 +13,7 @@ case $name in
     decode) length=600 ;;
     session) length=400 ;;
     settings_pages) length=4096 ;;
+    svg | dxf | hpgl | table | picture) length=1000000 ;;
     *) length=6000 ;;
 esac
 exec nice -n 10 "${CARGO_TARGET_DIR:-target}/$target/release/$name" -artifact_prefix="artifacts/$name/" \

@@ -8,7 +8,7 @@ use core::fmt;
 pub enum CalibrationError {
     /// A value is not finite, or the standard deviation is not positive.
     NotFinite,
-    /// There are this many different poses; ten unknowns need five.
+    /// There are this many different poses; the unknowns need five.
     TooFew(usize),
     /// The holes lie on one line.
     Collinear,
@@ -42,12 +42,24 @@ pub enum CalibrationError {
         /// Of how many.
         of: usize,
     },
+    /// The others contradict so many measurements of one kind that it is open which are wrong.
+    TooManyWrong {
+        /// What was measured: `plate`, `bars`, `holes`, `photo 1` and so on.
+        kind: String,
+        /// The rows that would be left out, by their index from 0.
+        rows: Vec<usize>,
+        /// Of how many.
+        of: usize,
+    },
     /// The measurements fit no arm: half of them are farther from the fit than this many σ.
     MixedNoFit(f64),
     /// The points fit the other assembly mode only.
     OtherAssembly,
     /// The points fit if the columns of the two joints are exchanged.
     SwappedJoints,
+    /// The points fit the other assembly mode only, or if the columns are exchanged: an arm without a base does not tell
+    /// which.
+    OtherAssemblyOrSwappedJoints,
     /// The points fit no arm: half of them are farther from the fit than this [m].
     NoFit(f64),
     /// The points fit an arm with this length of link or base (1 to 5), far from the nominal
@@ -63,6 +75,7 @@ pub enum CalibrationError {
 }
 
 impl fmt::Display for CalibrationError {
+    #[expect(clippy::too_many_lines, reason = "a list of sentences")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotFinite => f.write_str(
@@ -71,7 +84,7 @@ impl fmt::Display for CalibrationError {
             ),
             Self::TooFew(count) => write!(
                 f,
-                "too few points: {count} different poses; the ten unknowns need at least 5, and 12 \
+                "too few points: {count} different poses; the arm and its place need at least 5, and 12 \
                  spread over the workspace for a good calibration (--propose 12 lists such poses)"
             ),
             Self::Collinear => f.write_str(
@@ -120,7 +133,12 @@ impl fmt::Display for CalibrationError {
                  this table, or another, is not of this arm; check its units (metres), its columns and \
                  its stated deviation, and try the tables one by one"
             ),
-            Self::MixedNoFit(sigmas) => mixed_no_fit(f, *sigmas),
+            Self::TooManyWrong { kind, rows, of } => too_many_wrong(f, kind, rows, *of),
+            Self::MixedNoFit(sigmas) => no_fit(
+                f,
+                "measurements fit",
+                sigmas.is_finite().then(|| format!("{sigmas:.0} σ")),
+            ),
             Self::OtherAssembly => f.write_str(
                 "the points were measured in the other assembly mode: C lies on the other side of \
                  the line from B to D than the robot file's `working_mode` and `home` say; measure \
@@ -130,12 +148,18 @@ impl fmt::Display for CalibrationError {
                 "the joints are swapped: the points fit if counts1 and counts4 are exchanged; \
                  exchange the columns, or the encoders' wires",
             ),
-            Self::NoFit(distance) => write!(
+            Self::OtherAssemblyOrSwappedJoints => f.write_str(
+                "the points fit the other assembly mode only: C lies on the other side of the line from B to D than the \
+                 robot file's `working_mode` and `home` say, or counts1 and counts4 are exchanged (with both hips about \
+                 one axis the points do not tell which); check the columns and the encoders' wires, then measure in the \
+                 mode of the robot file, or correct the file",
+            ),
+            Self::NoFit(distance) => no_fit(
                 f,
-                "the points fit no arm in this assembly mode: half of them are more than {:.1} mm \
-                 from the best fit; check the counts per turn, the order of the columns, the \
-                 units (metres) and the arm",
-                1e3 * distance
+                "points fit",
+                distance
+                    .is_finite()
+                    .then(|| format!("{:.1} mm", 1e3 * distance)),
             ),
             Self::OtherArm {
                 number,
@@ -146,16 +170,32 @@ impl fmt::Display for CalibrationError {
     }
 }
 
-fn mixed_no_fit(f: &mut fmt::Formatter<'_>, sigmas: f64) -> fmt::Result {
-    let why = if sigmas.is_finite() {
-        format!("half of them are more than {sigmas:.0} σ from the best fit")
-    } else {
-        "the robot file's arm has too few of the poses".into()
+fn too_many_wrong(
+    f: &mut fmt::Formatter<'_>,
+    kind: &str,
+    rows: &[usize],
+    of: usize,
+) -> fmt::Result {
+    let numbers: Vec<_> = rows.iter().map(|row| (row + 1).to_string()).collect();
+    write!(
+        f,
+        "{kind}: rows {}, {} of {of}, contradict the others: these are more than a quarter, so the rows do not \
+         tell which are wrong; measure those named again, then the others",
+        numbers.join(", "),
+        rows.len()
+    )
+}
+
+/// `far` is the distance of half of the rows from the best fit, if there is a fit.
+fn no_fit(f: &mut fmt::Formatter<'_>, what: &str, far: Option<String>) -> fmt::Result {
+    let why = match far {
+        Some(far) => format!("half of them are more than {far} from the best fit"),
+        None => "the robot file's arm has too few of the poses".into(),
     };
     write!(
         f,
-        "the measurements fit no arm in this assembly mode: {why}; check the counts per turn, the \
-         order of the columns, the units (metres) and the arm"
+        "the {what} no arm in this assembly mode: {why}; check the counts per turn, the order of the columns, the \
+         units (metres) and the arm"
     )
 }
 

@@ -1,7 +1,7 @@
 //! The plate's problem as two legs, each with a start that needs no guess.
 //!
 //! On the plate, leg 1 is (A, l1, l2, ψ1 = φ + δ1) and leg 4 is (E, l4, l3, ψ4 = φ + δ4); these
-//! ten numbers are in one-to-one relation with the ten unknowns. For a leg from G with crank la
+//! ten numbers are in one-to-one relation with the ten unknowns. Of an arm without a base A and E are one point. For a leg from G with crank la
 //! and coupler lb, |P − G − la u(θ+ψ)| = lb. Squared, this is linear in seven numbers
 //! (G, k, c, s, e, f), with c = la cos ψ, s = la sin ψ, k = |G|² + la² − lb²:
 //!
@@ -9,6 +9,7 @@
 
 use super::measurements::Touch;
 use super::parameters::{Parameters, within_a_turn};
+use super::unknowns::Unknowns;
 use crate::fit::{Loss, Rows, median, minimise};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Joint;
@@ -160,8 +161,11 @@ pub(super) fn leg(
 }
 
 /// The unknowns of the arm with these legs.
-pub(super) fn joined(leg1: &Leg, leg4: &Leg) -> Parameters {
-    let base = leg4.pivot - leg1.pivot;
+pub(super) fn joined(leg1: &Leg, leg4: &Leg, unknowns: Unknowns) -> Parameters {
+    let (pivot, base) = match unknowns.has_base() {
+        true => (leg1.pivot, leg4.pivot - leg1.pivot),
+        false => (0.5 * (leg1.pivot + leg4.pivot), Vector2::zeros()),
+    };
     let turn = base.polar_angle();
     // A crank of negative length points in the opposite direction.
     let crank = |leg: &Leg| {
@@ -176,7 +180,7 @@ pub(super) fn joined(leg1: &Leg, leg4: &Leg) -> Parameters {
     Parameters {
         lengths: [l1, leg1.coupler, leg4.coupler, l4, base.norm()],
         offsets: [offset1, offset4],
-        origin: leg1.pivot.into(),
+        origin: pivot.into(),
         turn,
     }
 }

@@ -5,7 +5,7 @@
 //! Unknown are p = (l1…l5, δ1, δ4, x, y, φ): a joint's angle is θi = encoder angle + δi, and the
 //! tip on the plate T = R(φ) C(θ1, θ4; l) + (x, y). The tip is put into holes P_k, and the
 //! residuals r_k = T(p, encoder angles) − P_k, two rows a hole, are made least, by the sum of
-//! their squares or of Huber's loss.
+//! their squares or of Huber's loss. A base of exactly zero has no direction: l5 and φ are then held at zero ([`Unknowns`]).
 //!
 //! ```
 //! use fivebar_design::calibration::{Criterion, Parameters, Plate, Touch, calibrate};
@@ -44,6 +44,7 @@ mod poses;
 mod start;
 mod tip;
 mod tip_error;
+mod unknowns;
 
 pub use error::CalibrationError;
 pub use measurements::{
@@ -56,3 +57,4 @@ pub use poses::{Proposal, propose};
 pub use start::rigid;
 pub use tip::{Tip, tip};
 pub use tip_error::{TipError, tip_error, tip_error_before, tip_error_best_placed};
+pub use unknowns::Unknowns;

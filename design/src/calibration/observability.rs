@@ -1,21 +1,22 @@
 //! What the points determine, and how well: rank, condition, covariance.
 
 use super::error::CalibrationError;
-use super::parameters::{PARAMETER_NAMES, Parameters, SCALES};
-use nalgebra::{DMatrix, DVector, Vector2};
+use super::parameters::{Parameters, SCALES};
+use super::unknowns::Unknowns;
+use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
 
 /// The Jacobian for unknowns in units of 0.1 m and 1 rad.
-fn scaled(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+fn scaled(jacobian: &DMatrix<f64>, unknowns: Unknowns) -> DMatrix<f64> {
     let mut scaled = jacobian.clone();
-    for (mut column, scale) in scaled.column_iter_mut().zip(SCALES) {
-        column *= scale;
+    for (mut column, &index) in scaled.column_iter_mut().zip(unknowns.free()) {
+        column *= SCALES[index];
     }
     scaled
 }
 
 /// Rank and condition of the scaled Jacobian.
-pub(super) fn rank_and_condition(jacobian: &DMatrix<f64>) -> (usize, f64) {
-    let values = scaled(jacobian).singular_values();
+pub(super) fn rank_and_condition(jacobian: &DMatrix<f64>, unknowns: Unknowns) -> (usize, f64) {
+    let values = scaled(jacobian, unknowns).singular_values();
     let greatest = values.max();
     let rank = values.iter().filter(|&&value| value > LEAST * greatest);
     (rank.count(), greatest / values.min())
@@ -26,25 +27,25 @@ pub(super) fn rank_and_condition(jacobian: &DMatrix<f64>) -> (usize, f64) {
 const LEAST: f64 = 1e-6;
 
 /// Refuses measurements that leave a combination of unknowns undetermined: a rank that is not
-/// full, or a length known worse than to 5 % or an angle worse than to 0.05 rad. The unknowns are
-/// all ten, or the seven of an arm without placement.
+/// full, or a length known worse than to 5 % or an angle worse than to 0.05 rad.
 pub(super) fn check_seen(
     jacobian: &DMatrix<f64>,
+    unknowns: Unknowns,
     p: &Parameters,
     sigma: f64,
 ) -> Result<(), CalibrationError> {
-    let matrix = scaled(jacobian);
+    let matrix = scaled(jacobian, unknowns);
     let normal = matrix.tr_mul(&matrix).symmetric_eigen();
     let greatest = normal.eigenvalues.max().max(f64::MIN_POSITIVE);
+    let (free, count) = (unknowns.free(), unknowns.free().len());
     let worst = |index: usize| match index {
         0..=4 => 0.05 * p.lengths[index] / SCALES[index],
         7 | 8 => f64::INFINITY,
         _ => 0.05,
     };
     // Directions that the points leave free, within what the worst bound allows.
-    let unknowns = jacobian.ncols();
-    let mut share = vec![0.0_f64; unknowns];
-    let mut rank = unknowns;
+    let mut share = vec![0.0_f64; count];
+    let mut rank = count;
     for (value, vector) in normal
         .eigenvalues
         .iter()
@@ -56,7 +57,7 @@ pub(super) fn check_seen(
         } else {
             sigma / value.sqrt()
         };
-        let too_wide = (0..unknowns).any(|i| sd * vector[i].abs() > worst(i));
+        let too_wide = (0..count).any(|i| sd * vector[i].abs() > worst(free[i]));
         if unseen || too_wide {
             rank -= 1;
             for (share, part) in share.iter_mut().zip(vector.iter()) {
@@ -64,35 +65,44 @@ pub(super) fn check_seen(
             }
         }
     }
-    if rank == unknowns {
+    if rank == count {
         return Ok(());
     }
-    let names = PARAMETER_NAMES.iter().zip(share);
+    let names = unknowns.names().zip(share);
     let names = names.filter(|(_, share)| *share > 0.2);
     Err(CalibrationError::NotSeen {
-        names: names.map(|(name, _)| *name).collect(),
+        names: names.map(|(name, _)| name).collect(),
         rank,
-        unknowns,
+        unknowns: count,
     })
 }
 
-/// σ² (JᵀJ)⁻¹; the Jacobian has full rank.
-pub(super) fn covariance(jacobian: &DMatrix<f64>, sigma: f64) -> DMatrix<f64> {
-    let matrix = scaled(jacobian);
-    let unknowns = matrix.ncols();
+/// σ² (JᵀJ)⁻¹ among all ten unknowns; the Jacobian has full rank.
+pub(super) fn covariance(
+    jacobian: &DMatrix<f64>,
+    unknowns: Unknowns,
+    sigma: f64,
+) -> SMatrix<f64, 10, 10> {
+    let matrix = scaled(jacobian, unknowns);
+    let (free, count) = (unknowns.free(), unknowns.free().len());
     let inverse = matrix.tr_mul(&matrix).pseudo_inverse(0.0);
-    let inverse = inverse.unwrap_or_else(|_| DMatrix::zeros(unknowns, unknowns));
-    DMatrix::from_fn(unknowns, unknowns, |i, j| {
-        sigma * sigma * inverse[(i, j)] * SCALES[i] * SCALES[j]
-    })
+    let inverse = inverse.unwrap_or_else(|_| DMatrix::zeros(count, count));
+    unknowns.among_ten(&DMatrix::from_fn(count, count, |i, j| {
+        sigma * sigma * inverse[(i, j)] * SCALES[free[i]] * SCALES[free[j]]
+    }))
 }
 
 /// The residuals of touches predicted from the others: (I − H_kk)⁻¹ r_k with
 /// H = J (JᵀJ)⁻¹ Jᵀ.
-pub(super) fn leave_out(r: &DVector<f64>, jacobian: &DMatrix<f64>) -> DVector<f64> {
-    let matrix = scaled(jacobian);
+pub(super) fn leave_out(
+    r: &DVector<f64>,
+    jacobian: &DMatrix<f64>,
+    unknowns: Unknowns,
+) -> DVector<f64> {
+    let matrix = scaled(jacobian, unknowns);
+    let count = matrix.ncols();
     let inverse = matrix.tr_mul(&matrix).pseudo_inverse(0.0);
-    let inverse = inverse.unwrap_or_else(|_| DMatrix::zeros(10, 10));
+    let inverse = inverse.unwrap_or_else(|_| DMatrix::zeros(count, count));
     let mut predicted = r.clone();
     for k in 0..r.len() / 2 {
         let rows = matrix.rows(2 * k, 2);

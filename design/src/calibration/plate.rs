@@ -4,10 +4,13 @@ use super::error::CalibrationError;
 use super::legs::{LEAST_FOR_LEGS, joined, leg};
 use super::measurements::{Criterion, Plate, Touch, different};
 use super::observability::{check_seen, covariance, leave_out, rank_and_condition};
-use super::parameters::{Parameters, Vector10};
+use super::parameters::Parameters;
 use super::start::{placed, samples};
 use super::tip::{on_plate, posed, tip};
+use super::unknowns::Unknowns;
 use crate::fit::{Rows, median, minimise};
+use crate::robust::{self, Block, Scale, Settled};
+use crate::statistics::{NORMAL_95, coverage_factor};
 use core::f64::consts::{FRAC_PI_2, PI};
 use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
@@ -17,8 +20,9 @@ use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
 pub struct Calibration {
     /// The unknowns.
     pub parameters: Parameters,
-    /// Their covariance, from the stated standard deviation of the holes; with Huber's loss
-    /// without the rejected touches.
+    /// Their covariance: of the touches that are used, with the deviation that their residuals show
+    /// ([`sigma_scale`](Self::sigma_scale)); with least squares of all touches, with the stated one.
+    /// Zero for what is held ([`Unknowns`]).
     pub covariance: SMatrix<f64, 10, 10>,
     /// The residual of each touch [m].
     pub residuals: Vec<Vector2<f64>>,
@@ -27,11 +31,20 @@ pub struct Calibration {
     pub residual_rms: f64,
     /// The same, each touch being predicted from the others [m].
     pub leave_out_rms: f64,
-    /// The touches farther than 4 σ from the fit, by their index from 0.
+    /// The real deviation of the holes over the stated one: 1 as long as the residuals are such as
+    /// the stated one would give.
+    pub sigma_scale: f64,
+    /// Degrees of freedom with which the scale was found; infinite where σ is as stated.
+    pub freedom: f64,
+    /// With this factor of its deviation on either side, an unknown's interval holds 95 %: 1.96, or
+    /// Student's quantile where the scale was found from the residuals.
+    pub coverage_factor: f64,
+    /// The touches that the others contradict, by their index from 0: with Huber's loss they are
+    /// left out. With least squares, those farther than 4 σ from the fit, which are used.
     pub rejected: Vec<usize>,
     /// The touches with other elbows than most, by their index from 0.
     pub other_elbows: Vec<usize>,
-    /// Rank of the Jacobian with its columns scaled by 0.1 m and 1 rad: 10.
+    /// Rank of the Jacobian with its columns scaled by 0.1 m and 1 rad: 10, or 8 without a base.
     pub rank: usize,
     /// Its condition.
     pub condition: f64,
@@ -40,6 +53,8 @@ pub struct Calibration {
     pub nominal_rms: Option<f64>,
 }
 
+/// The greatest share of the touches that may be left out.
+const FEW: f64 = 0.25;
 /// The greatest share by which a length may differ from the nominal one.
 const GREATEST_CHANGE: f64 = 0.25;
 
@@ -52,9 +67,10 @@ pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, Calibr
     check(plate)?;
     Geometry::new(nominal).map_err(|_| CalibrationError::Lengths)?;
     let [l1, l2, l3, l4, l5] = nominal;
+    let unknowns = Unknowns::of(nominal);
     let (touches, here, there) = (&plate.touches, plate.assembly, plate.assembly.opposite());
     let straight = placed(nominal, [0.0; 2], touches, here);
-    let mut starts = [straight.map(|p| (p, here)), legs_start(plate)];
+    let mut starts = [straight.map(|p| (p, here)), legs_start(plate, unknowns)];
     // Points that do not fit in this assembly mode may fit in the other: then they were measured
     // there, or the joints are exchanged.
     let exchanged = [l4, l3, l2, l1, l5];
@@ -66,7 +82,7 @@ pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, Calibr
     if let Some((_, side)) = &mut starts[1] {
         *side = here;
     }
-    let fitted = |p: &Parameters, side: Side| joint_fit(plate, p, side);
+    let fitted = |p: &Parameters, side: Side| joint_fit(plate, unknowns, p, side);
     let best = |a: &(Parameters, f64), b: &(Parameters, f64)| a.1.total_cmp(&b.1);
     let found = starts
         .iter()
@@ -79,11 +95,7 @@ pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, Calibr
         if let Some((p, _)) = other.min_by(best)
             && typical_distance(plate, &p, there) < 0.25 * typical
         {
-            return Err(if half_a_turn_off(&p) {
-                CalibrationError::SwappedJoints
-            } else {
-                CalibrationError::OtherAssembly
-            });
+            return Err(of_other_mode(&p, unknowns));
         }
     }
     // A wrong hole moves the fit of least squares, and with it all residuals.
@@ -93,16 +105,28 @@ pub fn calibrate(plate: &Plate, nominal: [f64; 5]) -> Result<Calibration, Calibr
     };
     let Some((parameters, _)) = found.filter(|_| typical <= bound) else {
         if let Some(p) = straight.or(found.map(|(p, _)| p)) {
-            check_seen(&jacobian(plate, &p), &p, plate.sigma)?;
+            check_seen(&jacobian(plate, unknowns, &p), unknowns, &p, plate.sigma)?;
         }
         return Err(CalibrationError::NoFit(typical));
     };
-    judged(plate, parameters, nominal, straight)
+    judged(plate, unknowns, parameters, nominal, straight)
 }
 
-/// Both offsets near half a turn: the joints are exchanged.
-pub(super) fn half_a_turn_off(p: &Parameters) -> bool {
-    p.offsets.iter().all(|offset| offset.abs() > FRAC_PI_2)
+/// Why the points of an arm fit this one in the other assembly mode. Without a base, exchanged joints are not half a
+/// turn off: the arm seen from joint 4 is the same as from joint 1.
+pub(super) fn of_other_mode(p: &Parameters, unknowns: Unknowns) -> CalibrationError {
+    if !unknowns.has_base() {
+        CalibrationError::OtherAssemblyOrSwappedJoints
+    } else if half_a_turn_off(p, unknowns) {
+        CalibrationError::SwappedJoints
+    } else {
+        CalibrationError::OtherAssembly
+    }
+}
+
+/// Both offsets near half a turn: the joints of an arm with a base are exchanged.
+pub(super) fn half_a_turn_off(p: &Parameters, unknowns: Unknowns) -> bool {
+    unknowns.has_base() && p.offsets.iter().all(|offset| offset.abs() > FRAC_PI_2)
 }
 
 fn check(plate: &Plate) -> Result<(), CalibrationError> {
@@ -137,7 +161,7 @@ fn check(plate: &Plate) -> Result<(), CalibrationError> {
 }
 
 /// The arm of two legs that are fitted alone, and the assembly mode of most touches.
-fn legs_start(plate: &Plate) -> Option<(Parameters, Side)> {
+fn legs_start(plate: &Plate, unknowns: Unknowns) -> Option<(Parameters, Side)> {
     let touches = &plate.touches;
     if touches.len() < LEAST_FOR_LEGS {
         return None;
@@ -155,12 +179,12 @@ fn legs_start(plate: &Plate) -> Option<(Parameters, Side)> {
     } else {
         Side::Right
     };
-    Some((joined(&leg1, &leg4), side))
+    Some((joined(&leg1, &leg4, unknowns), side))
 }
 
 /// Residuals and Jacobian of all touches. A touch without a pose counts as far away, and its
 /// derivatives as zero.
-fn rows(plate: &Plate, p: &Parameters, side: Side) -> Option<Rows> {
+fn rows(plate: &Plate, unknowns: Unknowns, p: &Parameters, side: Side) -> Option<Rows> {
     Geometry::new(p.lengths).ok()?;
     let count = plate.touches.len();
     let mut residuals = DVector::zeros(2 * count);
@@ -175,25 +199,27 @@ fn rows(plate: &Plate, p: &Parameters, side: Side) -> Option<Rows> {
         residuals.fixed_rows_mut::<2>(2 * k).copy_from(&r);
         jacobian.fixed_view_mut::<2, 10>(2 * k, 0).copy_from(&j);
     }
-    Some((residuals, jacobian))
+    Some((residuals, unknowns.columns(&jacobian)))
 }
 
-fn of(x: &DVector<f64>) -> Parameters {
-    Parameters::of(&Vector10::from_column_slice(x.as_slice()))
-}
-
-fn joint_fit(plate: &Plate, start: &Parameters, side: Side) -> Option<(Parameters, f64)> {
-    let start = DVector::from_column_slice(start.vector().as_slice());
+fn joint_fit(
+    plate: &Plate,
+    unknowns: Unknowns,
+    start: &Parameters,
+    side: Side,
+) -> Option<(Parameters, f64)> {
+    let start = unknowns.vector(start);
     let found = minimise(
         &start,
-        &|x| rows(plate, &of(x), side),
+        &|x| rows(plate, unknowns, &unknowns.parameters(x), side),
         plate.criterion.loss(plate.sigma),
     )?;
-    Some((of(&found.0), found.1))
+    Some((unknowns.parameters(&found.0), found.1))
 }
 
-fn jacobian(plate: &Plate, p: &Parameters) -> DMatrix<f64> {
-    rows(plate, p, plate.assembly).map_or(DMatrix::zeros(2, 10), |(_, jacobian)| jacobian)
+fn jacobian(plate: &Plate, unknowns: Unknowns, p: &Parameters) -> DMatrix<f64> {
+    let none = DMatrix::zeros(2, unknowns.count());
+    rows(plate, unknowns, p, plate.assembly).map_or(none, |(_, jacobian)| jacobian)
 }
 
 /// The median distance of the touches from an arm [m].
@@ -205,54 +231,111 @@ fn typical_distance(plate: &Plate, p: &Parameters, side: Side) -> f64 {
     median(plate.touches.iter().map(distance)).unwrap_or(f64::INFINITY)
 }
 
+/// A fit, the touches that it contradicts, and how far the others scatter.
+struct Judged {
+    p: Parameters,
+    rejected: Vec<usize>,
+    scale: Scale,
+    /// The deviation of a hole's coordinate that the covariance is made with [m].
+    sigma: f64,
+}
+
+/// From a fit by the plate's criterion.
+fn judge(plate: &Plate, unknowns: Unknowns, p: Parameters) -> Option<Judged> {
+    let count = plate.touches.len();
+    let blocks: Vec<Block> = (0..count)
+        .map(|k| Block {
+            first: 2 * k,
+            size: 2,
+            kind: 0,
+        })
+        .collect();
+    let over_sigma = |x: &DVector<f64>| {
+        let (r, j) = rows(plate, unknowns, &unknowns.parameters(x), plate.assembly)?;
+        Some((r / plate.sigma, j / plate.sigma))
+    };
+    let x = unknowns.vector(&p);
+    Some(match plate.criterion {
+        Criterion::Huber => {
+            let Settled { x, kept, scales } = robust::settle(&x, &over_sigma, &blocks)?;
+            Judged {
+                p: unknowns.parameters(&x),
+                rejected: (0..count).filter(|&k| !kept[k]).collect(),
+                scale: scales[0],
+                sigma: plate.sigma * scales[0].variance.sqrt(),
+            }
+        }
+        Criterion::LeastSquares => {
+            let (r, j) = over_sigma(&x)?;
+            let far = |k: &usize| r.fixed_rows::<2>(2 * k).norm() > 4.0;
+            Judged {
+                p,
+                rejected: (0..count).filter(far).collect(),
+                scale: robust::scales((r.clone(), j), &blocks)[0],
+                sigma: plate.sigma,
+            }
+        }
+    })
+}
+
 /// The calibration at the best fit, checked.
 fn judged(
     plate: &Plate,
+    unknowns: Unknowns,
     p: Parameters,
     nominal: [f64; 5],
     straight: Option<Parameters>,
 ) -> Result<Calibration, CalibrationError> {
-    let (all, jacobian) = rows(plate, &p, plate.assembly).ok_or(CalibrationError::Lengths)?;
+    let Judged {
+        p,
+        rejected,
+        scale,
+        sigma,
+    } = judge(plate, unknowns, p).ok_or(CalibrationError::Lengths)?;
+    let (all, jacobian) =
+        rows(plate, unknowns, &p, plate.assembly).ok_or(CalibrationError::Lengths)?;
     let count = plate.touches.len();
+    if plate.criterion == Criterion::Huber && rejected.len() as f64 > FEW * count as f64 {
+        return Err(CalibrationError::TooManyWrong {
+            kind: "plate".into(),
+            rows: rejected,
+            of: count,
+        });
+    }
     let residuals: Vec<Vector2<f64>> = (0..count)
         .map(|k| Vector2::new(all[2 * k], all[2 * k + 1]))
         .collect();
-    let rejected: Vec<usize> = (0..count)
-        .filter(|&k| residuals[k].norm() > 4.0 * plate.sigma)
-        .collect();
     let is_used = |k: &usize| plate.criterion == Criterion::LeastSquares || !rejected.contains(k);
-    let used: Vec<usize> = (0..count).filter(is_used).collect();
-    let pick: Vec<usize> = used.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
-    // Where most points are far beyond a stated σ that is too small, all of them count.
-    let pick = if 2 * used.len() > count {
-        pick
-    } else {
-        (0..2 * count).collect()
-    };
+    let used = (0..count).filter(is_used);
+    let pick: Vec<usize> = used.flat_map(|k| [2 * k, 2 * k + 1]).collect();
     let (r, j) = (all.select_rows(&pick), jacobian.select_rows(&pick));
-    check_seen(&j, &p, plate.sigma)?;
+    check_seen(&j, unknowns, &p, sigma)?;
     let near_half = |offset: &f64| PI - offset.abs() < 0.5;
-    if p.offsets.iter().all(near_half) {
+    if unknowns.has_base() && p.offsets.iter().all(near_half) {
         return Err(CalibrationError::SwappedJoints);
     }
-    let covariance: SMatrix<f64, 10, 10> = covariance(&j, plate.sigma)
-        .fixed_view::<10, 10>(0, 0)
-        .into();
+    let covariance = covariance(&j, unknowns, sigma);
     other_length(&p, &covariance, nominal)?;
-    let (rank, condition) = rank_and_condition(&jacobian);
+    let (rank, condition) = rank_and_condition(&jacobian, unknowns);
     let rms = |r: &DVector<f64>| (r.norm_squared() / r.len() as f64).sqrt();
     Ok(Calibration {
         parameters: p,
         covariance,
         residual_rms: rms(&r),
-        leave_out_rms: rms(&leave_out(&r, &j)),
+        leave_out_rms: rms(&leave_out(&r, &j, unknowns)),
         residuals,
+        sigma_scale: scale.value,
+        freedom: scale.freedom,
+        coverage_factor: match plate.criterion {
+            Criterion::Huber => coverage_factor(scale.freedom),
+            Criterion::LeastSquares => NORMAL_95,
+        },
         rejected,
         other_elbows: other_elbows(plate, &p),
         rank,
         condition,
         nominal_rms: straight.and_then(|p| {
-            let (r, _) = rows(plate, &p, plate.assembly)?;
+            let (r, _) = rows(plate, unknowns, &p, plate.assembly)?;
             Some(rms(&r) * core::f64::consts::SQRT_2)
         }),
     })

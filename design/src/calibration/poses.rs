@@ -3,10 +3,12 @@
 //! A pose adds its two rows A of the scaled Jacobian to W = Σ AᵀA, and multiplies det W by
 //! det(I + A W⁻¹ Aᵀ). The exchange (Mitchell 1974, DETMAX) adds the candidate with the greatest
 //! gain and drops the pose with the smallest loss, until both are the same. The observability
-//! index is O1 = (∏ σi)^{1/10}/√K (Borm and Menq 1991).
+//! index is O1 = (∏ σi)^{1/n}/√K for n unknowns (Borm and Menq 1991): ten, or eight of an arm
+//! without a base ([`Unknowns`]). W has a one in place of each that is held.
 
 use super::parameters::{Parameters, SCALES};
 use super::tip::on_plate;
+use super::unknowns::Unknowns;
 use crate::Noise;
 use crate::workspace::reach_bounds;
 use fivebar_kinematics::five_bar::{Pose, Workspace};
@@ -24,9 +26,9 @@ const MARGIN: f64 = 0.3;
 pub struct Proposal {
     /// C in the arm's own frame [m].
     pub points: Vec<Vector2<f64>>,
-    /// O1 = (∏ σi)^{1/10}/√K of the scaled Jacobian.
+    /// O1 = (∏ σi)^{1/n}/√K of the scaled Jacobian, for n unknowns.
     pub observability: f64,
-    /// The covariance of the unknowns for holes with a standard deviation of 1 m.
+    /// The covariance of the unknowns for holes with a standard deviation of 1 m; zero for what is held.
     pub covariance: Square,
 }
 
@@ -114,20 +116,25 @@ fn least_sine(pose: &Pose<f64>) -> f64 {
 }
 
 /// The `count` poses that an arm reaches from its home, in the working mode of C and the assembly
-/// mode there, that determine its ten unknowns best; none if it reaches too few points or `count`
+/// mode there, that determine its unknowns best; none if it reaches too few points or `count`
 /// is below 5.
 pub fn propose(workspace: &Workspace<f64>, home: &Pose<f64>, count: usize) -> Option<Proposal> {
     let p = Parameters {
         lengths: workspace.tool.geometry().lengths(),
         ..Parameters::default()
     };
+    let unknowns = Unknowns::of(p.lengths);
+    let held = Square::from_fn(|i, j| f64::from(i == j && !unknowns.is_free(i)));
     let points = reached(workspace, home);
     let candidates = |margin: f64| -> Vec<(Vector2<f64>, Row)> {
         let within = points.iter().filter(|(_, pose)| least_sine(pose) >= margin);
         let row = |(c, pose): &(Vector2<f64>, Pose<f64>)| {
             let mut row = on_plate(&p, pose).jacobian;
-            for (mut column, scale) in row.column_iter_mut().zip(SCALES) {
-                column *= scale;
+            for (index, mut column) in row.column_iter_mut().enumerate() {
+                match unknowns.is_free(index) {
+                    true => column *= SCALES[index],
+                    false => column.fill(0.0),
+                }
             }
             (*c, row)
         };
@@ -142,16 +149,18 @@ pub fn propose(workspace: &Workspace<f64>, home: &Pose<f64>, count: usize) -> Op
     }
     let mut noise = Noise::new(1);
     let (chosen, _) = (0..8)
-        .map(|_| exchange(&found, count, &mut noise))
+        .map(|_| exchange(&found, count, &held, &mut noise))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let rows = chosen.iter().map(|&index| &found[index].1);
     let information: Square = rows.map(|row| row.transpose() * row).sum();
-    let covariance = information.try_inverse()?;
+    let information = information + held;
+    let covariance = information.try_inverse()? - held;
     let covariance = Square::from_fn(|i, j| covariance[(i, j)] * SCALES[i] * SCALES[j]);
     Some(Proposal {
         points: chosen.iter().map(|&index| found[index].0).collect(),
         // det W is the square of the product of the singular values.
-        observability: (0.05 * log_determinant(&information)).exp() / (count as f64).sqrt(),
+        observability: (0.5 / unknowns.count() as f64 * log_determinant(&information)).exp()
+            / (count as f64).sqrt(),
         covariance,
     })
 }
@@ -167,6 +176,7 @@ fn log_determinant(w: &Square) -> f64 {
 fn exchange(
     candidates: &[(Vector2<f64>, Row)],
     count: usize,
+    held: &Square,
     noise: &mut Noise,
 ) -> (Vec<usize>, f64) {
     let total = candidates.len();
@@ -178,7 +188,7 @@ fn exchange(
         }
     }
     // A small multiple of one keeps W invertible until the poses determine all.
-    let mut w: Square = Square::identity() * 1e-9;
+    let mut w: Square = Square::identity() * 1e-9 + held;
     for &index in &chosen {
         w += candidates[index].1.transpose() * candidates[index].1;
     }
@@ -212,10 +222,10 @@ fn exchange(
             break;
         }
     }
-    let w = chosen
+    let w: Square = chosen
         .iter()
         .map(|&index| candidates[index].1.transpose() * candidates[index].1)
         .sum();
-    let determinant = log_determinant(&w);
+    let determinant = log_determinant(&(w + held));
     (chosen, determinant)
 }

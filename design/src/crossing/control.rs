@@ -32,7 +32,7 @@ const FOLLOWING_ERROR: f64 = 0.05;
 /// The greatest error of a crank that stays in the zone [rad]: a plan may end there.
 const RESTING_ERROR: f64 = 0.01;
 /// The longest time in the zone, in times of the plan's.
-const PATIENCE: f64 = 2.0;
+const TIMEOUT_FACTOR: f64 = 2.0;
 /// |sin(θ3−θ2)| below which the plan's torque is interpolated.
 const NEAREST: f64 = 1e-3;
 /// Coulomb's sign is smoothed as tanh(ω/ωs) [rad/s].
@@ -91,7 +91,7 @@ impl<'a> CrossingControl<'a> {
             setpoints,
             in_zone: 0,
             stuck: false,
-            most_in_zone: (PATIENCE * planned as f64) as usize,
+            most_in_zone: (TIMEOUT_FACTOR * planned as f64) as usize,
         })
     }
 

@@ -7,7 +7,7 @@ use super::log::{Log, Observed};
 use super::processing::systems;
 use super::regressor::{BASE_NAMES, Regressor};
 use fivebar_kinematics::five_bar::Joint;
-use nalgebra::Vector2;
+use nalgebra::{DVector, Vector2};
 
 /// Values with their standard deviations, which allow for the filtered noise being correlated.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,12 @@ pub struct Identification {
     pub offset_sd: [f64; 2],
     /// Condition of the regressor with J in 1e-3 kg·m², h in 1e-2 kg·m, friction in 1e-2.
     pub condition: f64,
-    /// Root mean square of the filtered torque that is not explained [N·m].
+    /// With this factor of its deviation on either side, a value's interval holds 95 %: Student's quantile, because
+    /// the deviations are found from the log.
+    pub coverage_factor: f64,
+    /// The share of each joint's filtered rows that are left out, because wrong samples spoil them.
+    pub left_out: [f64; 2],
+    /// Root mean square of the filtered torque that is not explained, in the rows that are used [N·m].
     pub residual_rms: [f64; 2],
     /// The same over that of the torque.
     pub residual_share: [f64; 2],
@@ -60,12 +65,10 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
                 log.times.last().unwrap_or(&0.0) - log.times[0],
             ));
         }
-        let unexplained = |solution: &Solution| solution.rms[0] * solution.rms[1];
         let solutions = systems
             .iter()
             .filter_map(|system| solve(system, &scales(base)));
-        solutions
-            .min_by(|a, b| unexplained(a).total_cmp(&unexplained(b)))
+        averaged(solutions.collect(), systems[0].torque[0].len())
             .ok_or_else(|| IdentificationError::NotSeen(vec!["anything".into()], f64::INFINITY))
     };
     let found = solved(Columns::default())?;
@@ -111,9 +114,34 @@ pub fn identify(log: &Log, observed: &Observed<'_>) -> Result<Identification, Id
         offset: pair(value, base + 4),
         offset_sd: pair(sd, base + 4),
         condition: found.condition,
+        coverage_factor: found.coverage_factor,
+        left_out: found.left_out,
         residual_rms: found.rms,
         residual_share: found.share,
     })
+}
+
+/// The solution that explains the torques best, with deviations that allow for the others that explain them about as well: each
+/// counts by its likelihood (Buckland, Burnham and Augustin 1997). Of rows in the filter's band about half are independent.
+fn averaged(solutions: Vec<Solution>, rows: usize) -> Option<Solution> {
+    let unexplained = |solution: &Solution| (solution.rms[0] * solution.rms[1]).max(1e-300).ln();
+    let least = solutions.iter().map(unexplained).reduce(f64::min)?;
+    let likelihood = |it: &Solution| (-0.5 * rows as f64 * (unexplained(it) - least)).exp();
+    let all: f64 = solutions.iter().map(likelihood).sum();
+    let share = |it: &Solution| likelihood(it) / all;
+    let of_all = |figure: &dyn Fn(&Solution) -> DVector<f64>| {
+        let terms = solutions.iter().map(|it| figure(it) * share(it));
+        terms.reduce(|sum, term| sum + term)
+    };
+    let value = of_all(&|it| it.value.clone())?;
+    let sd = of_all(&|it| {
+        let off = &it.value - &value;
+        (it.sd.component_mul(&it.sd) + off.component_mul(&off)).map(f64::sqrt)
+    })?;
+    let best = solutions
+        .into_iter()
+        .min_by(|a, b| unexplained(a).total_cmp(&unexplained(b)))?;
+    Some(Solution { value, sd, ..best })
 }
 
 /// Which columns of a log are exchanged.
@@ -191,4 +219,39 @@ fn has_inertia(solution: &Solution, angles: &[Vec<f64>; 2], observed: &Observed<
         Some(m11 > 0.0 && m11 * m44 > m14 * m41)
     });
     seen.all(|sound| sound != Some(false))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DVector, Solution, averaged};
+
+    fn solution(value: f64, rms: f64) -> Solution {
+        Solution {
+            value: DVector::repeat(1, value),
+            sd: DVector::repeat(1, 0.3),
+            coverage_factor: 2.0,
+            rms: [rms; 2],
+            left_out: [0.0; 2],
+            share: [0.0; 2],
+            condition: 1.0,
+            weakest: DVector::repeat(1, 1.0),
+        }
+    }
+
+    #[test]
+    fn solutions_that_explain_a_log_as_well_widen_the_deviations_and_worse_ones_do_not() {
+        let equal = vec![solution(1.0, 0.1), solution(2.0, 0.1)];
+        let found = averaged(equal, 1000).unwrap();
+        assert!((found.value[0] - 1.5).abs() < 1e-12, "{}", found.value[0]);
+        // √(0.3² + 0.5²)
+        assert!(
+            (found.sd[0] - 0.583_095_189_484_530_1).abs() < 1e-12,
+            "{}",
+            found.sd[0]
+        );
+        let worse = vec![solution(1.0, 0.1), solution(2.0, 0.102)];
+        let found = averaged(worse, 1000).unwrap();
+        assert!((found.value[0] - 1.0).abs() < 1e-6 && (found.sd[0] - 0.3).abs() < 1e-6);
+        assert!(averaged(Vec::new(), 1000).is_none());
+    }
 }

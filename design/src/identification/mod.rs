@@ -16,6 +16,7 @@ mod error;
 mod estimate;
 mod excitation;
 mod filter;
+mod followed;
 mod least_squares;
 mod log;
 mod payload;
@@ -23,6 +24,7 @@ mod physical;
 mod processing;
 mod proposal;
 mod regressor;
+mod spikes;
 mod validation;
 
 pub use arm_masses::{base_parameters, standard_parameters};

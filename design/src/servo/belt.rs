@@ -6,11 +6,12 @@
 //! [`Servo::margins`](super::Servo::margins).
 
 use super::belt_law::belt_laws;
+use super::belt_loop::{closed, step, yields};
 use super::exponential::exponential;
-use super::linear::{Linear, solve};
+use super::linear::Linear;
 use super::simplex::least;
 use fivebar_kinematics::control::{Belt, BeltGains, BeltLaw};
-use nalgebra::{DMatrix, DVector, Schur};
+use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 use std::f64::consts::PI;
 
@@ -68,8 +69,8 @@ const SLOWEST: f64 = 4.0;
 pub const MOST_LATE: usize = 7;
 /// Points of a locus.
 const POINTS: usize = 120;
-/// Ticks of the step.
-const STEP: usize = 600;
+/// Points after which a search asks whether the gains are refused already.
+const POINTS_AT_ONCE: usize = 20;
 /// The first step of the search, as a share of each gain.
 const FIRST_STEP: f64 = 0.4;
 /// Gains that one search tries.
@@ -155,24 +156,6 @@ impl BeltJoint {
     }
 }
 
-/// The closed loop over the states of plant and law.
-fn closed(plant: &Linear, law: &Linear) -> DMatrix<f64> {
-    let (n, m) = (plant.a.nrows(), law.a.nrows());
-    let mut matrix = DMatrix::zeros(n + m, n + m);
-    let feedthrough = &plant.b * &law.d * &plant.c;
-    matrix
-        .view_mut((0, 0), (n, n))
-        .copy_from(&(&plant.a + feedthrough));
-    matrix
-        .view_mut((0, n), (n, m))
-        .copy_from(&(&plant.b * &law.c));
-    matrix
-        .view_mut((n, 0), (m, n))
-        .copy_from(&(&law.b * &plant.c));
-    matrix.view_mut((n, n), (m, m)).copy_from(&law.a);
-    matrix
-}
-
 /// One inertia of the model, and the plants that it may be in truth.
 struct Case {
     inertia: f64,
@@ -227,8 +210,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// None for gains with an unstable loop.
-    fn judge(&self, gains: &BeltGains<f64>) -> Option<BeltTuning> {
+    /// None for gains with an unstable loop. What it finds only grows the cost, so it ends as soon as the cost is not
+    /// below `limit`: the tuning is then a part of the whole. With an infinite limit it is the whole.
+    fn judge(&self, gains: &BeltGains<f64>, limit: f64) -> Option<BeltTuning> {
         let mut tuning = BeltTuning {
             gains: *gains,
             modulus: f64::INFINITY,
@@ -237,94 +221,93 @@ impl<'a> Search<'a> {
             compliance: 0.0,
             peak: 0.0,
         };
-        for case in &self.cases {
-            let law = self.joint.controller(gains, case.inertia);
-            for (plant, _) in &case.plants {
-                let poles = Schur::try_new(closed(plant, &law), 1e-12, 10_000)?;
-                let radius = poles
-                    .complex_eigenvalues()
-                    .iter()
-                    .map(|pole| pole.norm())
-                    .fold(0.0, f64::max);
-                if radius > (-SLOWEST * self.joint.period).exp() {
-                    return None;
-                }
+        let is_beyond =
+            |tuning: &BeltTuning| limit.is_finite() && tuning.cost(self.joint.peak_torque) >= limit;
+        let period = self.joint.period;
+        let laws: Vec<Linear> = self
+            .cases
+            .iter()
+            .map(|case| self.joint.controller(gains, case.inertia))
+            .collect();
+        // The cheapest first.
+        for (case, law) in self.cases.iter().zip(&laws) {
+            let moved = step(&case.plants[0].0, law, case.inertia, period);
+            tuning.compliance = tuning.compliance.max(moved);
+            if is_beyond(&tuning) {
+                return Some(tuning);
             }
-            let answers: Vec<C> = self.z.iter().map(|&z| law.response(z)[0]).collect();
-            for (index, (_, responses)) in case.plants.iter().enumerate() {
-                let distances = answers.iter().zip(responses);
-                let modulus = distances
-                    .map(|(k, p)| (1.0 - k * p).norm())
-                    .fold(f64::INFINITY, f64::min);
-                if index == 0 {
+        }
+        // The poles cost most. Gains that the loci refuse need none; without a limit nothing is refused, and the loci of
+        // an unstable loop need not be asked.
+        if !limit.is_finite() && !self.are_stable(&laws) {
+            return None;
+        }
+        for (case, law) in self.cases.iter().zip(&laws) {
+            if self.judge_loci(case, law, &mut tuning, &is_beyond) {
+                return Some(tuning);
+            }
+        }
+        (!limit.is_finite() || self.are_stable(&laws)).then_some(tuning)
+    }
+
+    /// Whether each loop decays with these laws, fast enough.
+    fn are_stable(&self, laws: &[Linear]) -> bool {
+        let slowest = (-SLOWEST * self.joint.period).exp();
+        let are_stable = |(case, law): (&Case, &Linear)| {
+            case.plants.iter().all(|(plant, _)| {
+                let poles = Schur::try_new(closed(plant, law), 1e-12, 10_000);
+                let radius = poles.map(|poles| {
+                    let poles = poles.complex_eigenvalues();
+                    poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max)
+                });
+                radius.is_some_and(|radius| radius <= slowest)
+            })
+        };
+        self.cases.iter().zip(laws).all(are_stable)
+    }
+
+    /// Margins, noise and compliance over all frequencies of one inertia of the model; true as soon as the tuning is
+    /// beyond.
+    fn judge_loci(
+        &self,
+        case: &Case,
+        law: &Linear,
+        tuning: &mut BeltTuning,
+        is_beyond: &dyn Fn(&BeltTuning) -> bool,
+    ) -> bool {
+        let spring =
+            (case.inertia + self.joint.belt.rotor_inertia) * tuning.gains.bandwidth.powi(2);
+        let fixed = 1.0 / self.joint.belt.stiffness + 1.0 / spring;
+        for (index, &z) in self.z.iter().enumerate() {
+            let k = law.response(z)[0];
+            for (of, (_, responses)) in case.plants.iter().enumerate() {
+                let modulus = (1.0 - k * responses[index]).norm();
+                if of == 0 {
                     tuning.modulus = tuning.modulus.min(modulus);
                 }
                 tuning.modulus_range = tuning.modulus_range.min(modulus);
             }
-            let yields = answers.iter().zip(&case.plants[0].1).zip(&case.yields);
-            let greatest = yields
-                .map(|((k, p), [moved, shown, yielding])| {
-                    (yielding + moved * k * shown / (1.0 - k * p)).norm()
-                })
-                .fold(0.0, f64::max);
-            let spring = (case.inertia + self.joint.belt.rotor_inertia) * gains.bandwidth.powi(2);
-            let fixed = 1.0 / self.joint.belt.stiffness + 1.0 / spring;
-            tuning.peak = tuning.peak.max(greatest / fixed);
-            let variance: f64 = self
-                .even
-                .iter()
-                .zip(&case.noise)
-                .map(|(&z, p)| {
-                    let k = law.response(z)[0];
-                    (k / (1.0 - k * p)).norm_sqr()
-                })
-                .sum();
-            let noise = (variance / self.even.len() as f64 / 12.0).sqrt() * self.joint.count;
-            tuning.noise = tuning.noise.max(noise);
-            tuning.compliance = tuning.compliance.max(step(
-                &case.plants[0].0,
-                &law,
-                case.inertia,
-                self.joint.period,
-            ));
+            let [moved, shown, yielding] = case.yields[index];
+            let p = case.plants[0].1[index];
+            let compliance = (yielding + moved * k * shown / (1.0 - k * p)).norm();
+            tuning.peak = tuning.peak.max(compliance / fixed);
+            if (index + 1) % POINTS_AT_ONCE == 0 && is_beyond(tuning) {
+                return true;
+            }
         }
-        Some(tuning)
+        let variance: f64 = self
+            .even
+            .iter()
+            .zip(&case.noise)
+            .map(|(&z, p)| {
+                let k = law.response(z)[0];
+                (k / (1.0 - k * p)).norm_sqr()
+            })
+            .sum();
+        let noise = (variance / self.even.len() as f64 / 12.0).sqrt() * self.joint.count;
+        tuning.noise = tuning.noise.max(noise);
+        is_beyond(tuning)
     }
-}
-
-/// What a plant's joint does for a demanded torque, and its encoder and its joint for a load.
-fn yields(plant: &Linear, inertia: f64, period: f64, z: C) -> [C; 3] {
-    let n = plant.a.nrows();
-    let mut inputs = DMatrix::zeros(n, 2);
-    inputs.set_column(0, &plant.b.column(0));
-    inputs.set_column(1, &load(n, inertia, period));
-    let states = solve(&plant.a, &inputs, z);
-    let shown = (0..n).map(|i| states[(i, 1)] * plant.c[i]).sum();
-    [states[(2, 0)], shown, states[(2, 1)]]
-}
-
-/// What a load of 1 N·m on the links adds to a plant's states in a tick.
-fn load(states: usize, inertia: f64, period: f64) -> DVector<f64> {
-    let mut load = DVector::zeros(states);
-    load[2] = 0.5 * period * period / inertia;
-    load[3] = period / inertia;
-    load
-}
-
-/// The joint's angle after a step of its load, root mean square.
-fn step(plant: &Linear, law: &Linear, inertia: f64, period: f64) -> f64 {
-    let matrix = closed(plant, law);
-    let load = load(matrix.nrows(), inertia, period);
-    let mut x = DVector::zeros(matrix.nrows());
-    let mut next = x.clone();
-    let mut sum = 0.0;
-    for _ in 0..STEP {
-        next.gemv(1.0, &matrix, &x, 0.0);
-        next += &load;
-        std::mem::swap(&mut x, &mut next);
-        sum += x[2] * x[2];
-    }
-    (sum / STEP as f64).sqrt()
 }
 
 impl BeltTuning {
@@ -367,9 +350,12 @@ pub fn tune_belt(joint: &BeltJoint) -> Option<BeltTuning> {
             observer: [g1, g2 / period, g3, g4 * middle, g5 * middle],
         }
     };
-    let judge = |x: &[f64; 8]| search.judge(&gains(x));
     let cost_of = |tuning: &BeltTuning| tuning.cost(joint.peak_torque);
-    let cost = |x: &[f64; 8]| judge(x).as_ref().map_or(f64::INFINITY, cost_of);
+    let cost_below = |x: &[f64; 8], limit: f64| {
+        let tuning = search.judge(&gains(x), limit);
+        tuning.as_ref().map_or(f64::INFINITY, cost_of)
+    };
+    let cost = |x: &[f64; 8]| cost_below(x, f64::INFINITY);
     let found = SHAPES.into_iter().filter_map(|[rotor, g1, g2, g3]| {
         // From the first gains that are stable.
         let starts = [200.0, 100.0, 60.0, 30.0, 15.0].into_iter().flat_map(|wc| {
@@ -379,12 +365,15 @@ pub fn tune_belt(joint: &BeltJoint) -> Option<BeltTuning> {
         });
         let mut starts = starts.map(|x| x.map(f64::ln));
         let start = starts.find(|x| cost(x).is_finite())?;
-        Some(least(cost, start, FIRST_STEP, MOST_TRIALS))
+        Some(least(cost_below, start, FIRST_STEP, MOST_TRIALS))
     });
     let mut best = found.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
     // A simplex that has become flat goes on when it begins anew.
     for _ in 0..RESTARTS {
-        best = least(cost, best, FIRST_STEP, MOST_TRIALS);
+        best = least(cost_below, best, FIRST_STEP, MOST_TRIALS);
     }
-    judge(&best)
+    search.judge(&gains(&best), f64::INFINITY)
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,6 +20,7 @@
 mod arm;
 mod belt;
 mod belt_law;
+mod belt_loop;
 mod compliance;
 mod exponential;
 mod in_time;

@@ -67,6 +67,14 @@ impl Worst {
     }
 }
 
+/// How many samples are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Until {
+    All,
+    /// Those up to the first at which both assembly modes have failed: the worst that is seen is negative as that of all.
+    NotMet,
+}
+
 /// The parts of a design that the search varies.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -214,7 +222,8 @@ impl<'a> Problem<'a> {
             place,
             dexterity: self.worst(lengths, placed, Density::Check).dexterity,
             measures: Measures::of_merits(Measure::ALL.map(|measure| {
-                let worst = self.worst_by(Some(measure), lengths, placed, Density::Check);
+                let worst =
+                    self.worst_by(Some(measure), lengths, placed, Density::Check, Until::All);
                 worst.merit
             })),
         }
@@ -277,10 +286,17 @@ impl<'a> Problem<'a> {
         floor: f64,
     ) -> (f64, Option<(f64, f64)>) {
         let half_base = 0.5 * candidate.base;
-        let margin = |sum: f64, size: f64| {
+        let placed = |sum: f64, size: f64| {
             let place = candidate.place(sum);
-            self.worst(candidate.lengths(sum), Placed { size, place }, density)
-                .margin
+            (candidate.lengths(sum), Placed { size, place })
+        };
+        let margin = |sum: f64, size: f64| {
+            let (lengths, placed) = placed(sum, size);
+            self.worst(lengths, placed, density).margin
+        };
+        let is_met = |sum: f64, size: f64| {
+            let (lengths, placed) = placed(sum, size);
+            self.is_met(lengths, placed, density)
         };
         let most = candidate.sum * self.longest(candidate.base);
         if most <= 0.0 {
@@ -294,14 +310,14 @@ impl<'a> Problem<'a> {
             }
             Objective::LinkSum(size) => {
                 let longest = -floor - half_base;
-                if longest <= 0.0 || (longest < most && margin(longest, size) < 0.0) {
+                if longest <= 0.0 || (longest < most && !is_met(longest, size)) {
                     return (f64::NEG_INFINITY, None);
                 }
                 let short = margin(most, size);
                 if short < 0.0 {
                     return (NOT_MET + short, None);
                 }
-                let sum = bisected([most, 0.0], density, |sum| margin(sum, size) >= 0.0);
+                let sum = bisected([most, 0.0], density, |sum| is_met(sum, size));
                 (-sum - half_base, Some((sum, size)))
             }
             Objective::Dexterity(size) => match margin(most, size) {
@@ -328,25 +344,34 @@ impl<'a> Problem<'a> {
         density: Density,
         floor: f64,
     ) -> (f64, Option<f64>) {
-        let margin = |size: f64| self.worst(lengths, Placed { size, place }, density).margin;
+        let is_met = |size: f64| self.is_met(lengths, Placed { size, place }, density);
         // One look rejects most trials. Those that pass are bisected from 0 all the same: near an optimum the samples
         // of a few sizes miss what those of others see.
-        if floor > 0.0 && margin(floor) < 0.0 {
+        if floor > 0.0 && !is_met(floor) {
             return (f64::NEG_INFINITY, None);
         }
-        let short = margin(0.0);
+        let short = self
+            .worst(lengths, Placed { size: 0.0, place }, density)
+            .margin;
         if short < 0.0 {
             return (NOT_MET + short, None);
         }
         let reach = 2.0 * (lengths[0] + lengths[1]);
-        let size = bisected([0.0, reach], density, |size| margin(size) >= 0.0);
+        let size = bisected([0.0, reach], density, is_met);
         (size, Some(size))
     }
 
     /// The least of what is required over the area's samples. The arm stays in one assembly mode: that
     /// in which it meets more.
     pub(super) fn worst(&self, lengths: [f64; 5], area: Placed, density: Density) -> Worst {
-        self.worst_by(self.measure(), lengths, area, density)
+        self.worst_by(self.measure(), lengths, area, density, Until::All)
+    }
+
+    /// Whether all requirements are met over the area's samples: whether the margin of [`Problem::worst`] is not
+    /// negative.
+    pub(super) fn is_met(&self, lengths: [f64; 5], area: Placed, density: Density) -> bool {
+        let worst = self.worst_by(None, lengths, area, density, Until::NotMet);
+        worst.margin >= 0.0
     }
 
     /// As [`Problem::worst`], with this measure in place of the one that is sought.
@@ -356,6 +381,7 @@ impl<'a> Problem<'a> {
         lengths: [f64; 5],
         area: Placed,
         density: Density,
+        until: Until,
     ) -> Worst {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let samples = match density {
@@ -405,6 +431,10 @@ impl<'a> Problem<'a> {
                     places[1] = sample;
                 }
                 *worst = worst.and(here);
+            }
+            let is_refused = || worst.iter().all(|(_, worst)| worst.margin < 0.0);
+            if until == Until::NotMet && is_refused() {
+                break;
             }
         }
         let mode = usize::from(worst[0].1.margin < worst[1].1.margin);

@@ -11,7 +11,7 @@
 
 use super::ArmController;
 use super::model::AxisModel;
-use super::past::{Belted, small_angle};
+use super::setpoint_history::{Belted, small_angle};
 use crate::drives::Drives;
 use crate::safety::Fault;
 use fivebar_kinematics::control::BeltState;
@@ -54,7 +54,7 @@ impl<D: Drives> ArmController<D> {
     /// The torques of this tick, and whether they are limited.
     #[inline(always)]
     pub(super) fn torques_on_belts(&mut self) -> Result<([f32; 2], bool), Fault> {
-        let [mut state1, mut state4] = if self.past.begins() {
+        let [mut state1, mut state4] = if self.setpoint_history.begins() {
             STILL
         } else {
             self.belts
@@ -65,8 +65,8 @@ impl<D: Drives> ArmController<D> {
         let [axis1, axis4] = &self.model.axes;
         let ages = [&axis1.servo.age, &axis4.servo.age];
         let between = [
-            self.past.between(Joint::Joint1, ages[0]),
-            self.past.between(Joint::Joint4, ages[1]),
+            self.setpoint_history.between(Joint::Joint1, ages[0]),
+            self.setpoint_history.between(Joint::Joint4, ages[1]),
         ];
         // Where the joints are when the torque acts, if they go on as the set-point does.
         let [u1, u4] = Vector2::units([
@@ -82,8 +82,8 @@ impl<D: Drives> ArmController<D> {
         let [axis1, axis4] = &self.model.axes;
         let (law1, law4) = (axis1.belt(), axis4.belt());
         let [lead1, lead4] = [
-            self.past.lead(Joint::Joint1, &axis1.servo.age),
-            self.past.lead(Joint::Joint4, &axis4.servo.age),
+            self.setpoint_history.lead(Joint::Joint1, &axis1.servo.age),
+            self.setpoint_history.lead(Joint::Joint4, &axis4.servo.age),
         ];
         let equations = &self.model.equations;
         let mass = equations.mass(&links);
@@ -124,12 +124,12 @@ impl<D: Drives> ArmController<D> {
         ]);
 
         // The next sample.
-        let [late1, late4] = self.past.demand(self.model.late_ticks);
+        let [late1, late4] = self.setpoint_history.demand(self.model.late_ticks);
         let [change1, change4] = inverse.solve([law1.impulse(&state1), law4.impulse(&state4)]);
         law1.advance(&mut state1, change1, late1);
         law4.advance(&mut state4, change4, late4);
         self.belts = [state1, state4];
-        self.past.keep_belted(Belted {
+        self.setpoint_history.keep_belted(Belted {
             lead: leads,
             demand: [torque[0] - forward[0], torque[1] - forward[1]],
         });

@@ -40,7 +40,7 @@ const LEAST_FEEDBACK: f32 = 0.25;
 /// The error of a crank with which an arm at the end of its plan may be in the zone [rad].
 const RESTING_ERROR: f32 = 0.01;
 /// The longest time in the zone, in times of the plan's.
-const PATIENCE: u32 = 2;
+const TIMEOUT_FACTOR: u32 = 2;
 /// Time after the plan in which the arm keeps the gains of a crossing [s].
 const SETTLING: f32 = 0.02;
 /// The longest time after the plan in which the planner confirms the assembly mode, in times of [`SETTLING`].
@@ -307,7 +307,7 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     pub(super) fn cross(&mut self) -> Result<TorqueCommand, Fault> {
         let planned = self.advance_crossing();
-        self.past.keep(&self.setpoint);
+        self.setpoint_history.keep(&self.setpoint);
         let Self {
             crossing, model, ..
         } = self;
@@ -343,7 +343,7 @@ impl<D: Drives> ArmController<D> {
         let far = Scalar::abs(error1) > RESTING_ERROR || Scalar::abs(error4) > RESTING_ERROR;
         if inside {
             crossing.in_zone += 1;
-            if far && crossing.in_zone > PATIENCE * crossing.times.in_zone {
+            if far && crossing.in_zone > TIMEOUT_FACTOR * crossing.times.in_zone {
                 return Err(Fault::Envelope);
             }
         } else {

@@ -8,7 +8,7 @@
 //! the bridges go off.
 //! Faults are detected as ever, and a silent host is one.
 
-use super::tick::{Measurement, WithoutReference};
+use super::tick::{Measurement, UnpoweredOutput};
 use super::{ArmController, RequestError};
 use crate::drives::{Drives, Excitation, Excited};
 use crate::io::{ArmCommand, ArmSample};
@@ -141,15 +141,15 @@ impl<D: Drives> ArmController<D> {
         &mut self,
         sample: &ArmSample<D::Sample>,
         measurement: &Measurement,
-    ) -> WithoutReference {
+    ) -> UnpoweredOutput {
         let silent = self.host_timed_out().then_some(Fault::CommandTimeout);
-        let fault = self.sampled_fault(sample, measurement).or(silent);
+        let fault = self.fault_in_sample(sample, measurement).or(silent);
         if let Some(fault) = fault.or_else(|| self.excited_motor_fault()) {
             self.power_off(fault);
-            return WithoutReference::Off;
+            return UnpoweredOutput::Off;
         }
         if self.brake.still_releases(self.ticks) {
-            return WithoutReference::Excited;
+            return UnpoweredOutput::Excited;
         }
         let (angles, current) = (self.angles(), self.drives.report().current);
         let excitation = &mut self.excitation;
@@ -182,23 +182,23 @@ impl<D: Drives> ArmController<D> {
     }
 
     /// The voltage or the current on one motor; the other one is shorted.
-    fn drive_excited(&mut self, value: f32) -> WithoutReference {
+    fn drive_excited(&mut self, value: f32) -> UnpoweredOutput {
         let Excitation { joint, of, .. } = self.excitation.excitation;
         let index = usize::from(joint);
         let (Some(driven), Some(joint)) = (five_bar::Joint::ALL.get(index), self.joints.get(index))
         else {
-            return WithoutReference::Off;
+            return UnpoweredOutput::Off;
         };
         self.drives.excite(*driven, of, value, joint.velocity());
         if self.drives.is_finite() {
-            return WithoutReference::Excited;
+            return UnpoweredOutput::Excited;
         }
         self.power_off(Fault::NotANumber);
-        WithoutReference::Off
+        UnpoweredOutput::Off
     }
 
     /// Both motors shorted, until the joints rest.
-    fn brake_excited(&mut self, measurement: &Measurement) -> WithoutReference {
+    fn brake_excited(&mut self, measurement: &Measurement) -> UnpoweredOutput {
         self.release_loops();
         let excitation = &mut self.excitation;
         excitation.ticks += 1;
@@ -206,15 +206,15 @@ impl<D: Drives> ArmController<D> {
         let [omega1, omega4] = measurement.velocity;
         let rests = Scalar::abs(omega1) < REST_SPEED && Scalar::abs(omega4) < REST_SPEED;
         if excitation.ticks < most && !(rests && excitation.ticks >= least) {
-            return WithoutReference::Excited;
+            return UnpoweredOutput::Excited;
         }
         if !self.brake.engages(self.ticks) {
-            return WithoutReference::Excited;
+            return UnpoweredOutput::Excited;
         }
         // Exciting accepts this event.
         let _ = self.dispatch(Event::Finish);
         self.unpowered();
-        WithoutReference::Off
+        UnpoweredOutput::Off
     }
 
     /// Both bridges on with the joints' duties.

@@ -12,7 +12,7 @@ impl<D: Drives> ArmController<D> {
     /// The most serious fault that the sample alone shows, with the bridges on. Each of them
     /// switches the bridges off.
     #[inline(always)]
-    pub(super) fn sampled_fault(
+    pub(super) fn fault_in_sample(
         &self,
         sample: &ArmSample<D::Sample>,
         measurement: &Measurement,

@@ -3,22 +3,25 @@
 //! A brake takes time to release and to engage. The bridges wake up and hold the arm; then the brakes
 //! are released, and motion begins when they are free. Before the bridges go off, the arm comes to
 //! rest, and the brakes engage under power. Then the torques fall to zero while the joints are
-//! watched: brakes that do not hold the arm are a fault, and the bridges go on to hold it. A power-off
+//! watched: brakes that do not hold the arm are a fault, and the bridges go on to hold it. Drives that follow a
+//! motion take whatever torque it needs, so in place of their torques their power is taken, until the end of the test.
+//! Without encoders nothing would show that the arm falls, so their brakes are not tested. A power-off
 //! fault does not wait for the brakes.
 //!
 //! Brakes with an engage time of 0 need no order: the bridges go off at once.
 
 use super::ArmController;
 use super::setpoint::Setpoint;
-use super::turns::TURNS;
-use crate::drives::Drives;
-use crate::io::ArmCommand;
+use super::time_slices::TIME_SLICES;
+use crate::drives::{Drives, Needs, UnpoweredPlace};
+use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Event, Fault, State};
 use crate::settings::BrakeSettings;
-use fivebar_kinematics::Scalar;
+use fivebar_kinematics::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// Turns of the brakes in all turns.
-const TURNS_OF_BRAKES: u32 = 2;
+const SLICES_OF_BRAKES: u32 = 2;
 /// Time in which the torques fall to zero [s].
 const FALLING_TIME: f32 = 0.03;
 /// Time with no torque in which the brakes must hold the arm [s].
@@ -28,7 +31,7 @@ const BRAKE_PLAY: f32 = 0.01;
 
 /// Whether a tick has the brakes' turn.
 fn is_brakes_turn(ticks: u32) -> bool {
-    ticks % (TURNS / TURNS_OF_BRAKES) == 1
+    ticks % (TIME_SLICES / SLICES_OF_BRAKES) == 1
 }
 
 /// What the brakes do.
@@ -68,7 +71,7 @@ pub(super) struct HoldingBrake {
 impl HoldingBrake {
     pub(super) fn new(settings: &BrakeSettings, tick_rate: f32) -> Self {
         let turns = |time: f32| {
-            let exact = time * tick_rate * (TURNS_OF_BRAKES as f32 / TURNS as f32);
+            let exact = time * tick_rate * (SLICES_OF_BRAKES as f32 / TIME_SLICES as f32);
             // `as` cuts: one more turn, and one that has begun.
             if exact > 0.0 { exact as u32 + 2 } else { 0 }
         };
@@ -203,11 +206,21 @@ impl HoldingBrake {
         self.share = falling as f32 * self.per_falling_turn;
         self.phase = Phase::IsTested(turns - 1, before);
     }
+
+    /// Takes the drives' power in the next tick, if the test is where no torque is left.
+    fn go_on_without_power(&mut self) {
+        let is_tested = matches!(self.phase, Phase::IsTested(..));
+        if is_tested && self.share <= 0.0 && self.verdict.is_none() {
+            self.verdict = Some(Verdict::Unpowered);
+        }
+    }
 }
 
 /// What the test of the brakes finds.
 #[derive(Clone, Copy)]
 pub(super) enum Verdict {
+    /// Nothing yet: the next tick takes the drives' power.
+    Unpowered,
     /// They hold the arm: this event switches the bridges off.
     Holds(Event),
     /// They do not.
@@ -305,22 +318,46 @@ impl<D: Drives> ArmController<D> {
         if !rests || !self.brake.engage() {
             return;
         }
+        let follows_motion = matches!(D::NEEDS, Needs::Motion);
+        if follows_motion && self.drives.unpowered_place() == UnpoweredPlace::Lost {
+            self.brake.verdict = Some(Verdict::Holds(event));
+            return;
+        }
         self.brake.test(self.angles(), event);
+        if follows_motion {
+            self.brake.go_on_without_power();
+        }
     }
 
-    /// The tick after the test of the brakes: it has no reference, and no turn. Arms that the brakes do
-    /// not hold keep the duties of the tick before.
+    /// The tick after the test of the brakes, or one of the test without power: it has no reference, and no turn
+    /// but that of the brakes. Arms that the brakes do not hold keep the duties of the tick before.
     #[cold]
     #[inline(never)]
-    pub(super) fn end_test(&mut self, verdict: Verdict) -> ArmCommand<D::Command> {
-        let Verdict::Holds(event) = verdict else {
-            self.hold_without_brake();
-            return ArmCommand {
-                drives: self.drives.command(),
-                enable: [true; 2],
-                brake: self.brake.is_on(),
-                tool: self.path.tool_output(),
-            };
+    pub(super) fn end_test(
+        &mut self,
+        verdict: Verdict,
+        sample: &ArmSample<D::Sample>,
+    ) -> ArmCommand<D::Command> {
+        let event = match verdict {
+            Verdict::Holds(event) => event,
+            Verdict::Unpowered => {
+                self.release_loops();
+                self.drives.rest(&sample.drives);
+                if is_brakes_turn(self.ticks) {
+                    self.turn_brake();
+                }
+                self.brake.go_on_without_power();
+                return self.off();
+            }
+            Verdict::Fails => {
+                self.hold_without_brake();
+                return ArmCommand {
+                    drives: self.drives.command(),
+                    enable: [true; 2],
+                    brake: self.brake.is_on(),
+                    tool: self.path.tool_output(),
+                };
+            }
         };
         let ended = match event {
             Event::Homed => self.finish_homing(),
@@ -342,13 +379,15 @@ impl<D: Drives> ArmController<D> {
         self.brake.phase = Phase::Engages(0);
         self.brake.stay_powered();
         match self.state {
-            State::Armed | State::Fault => self.begin_controlled_stop(Fault::BrakeFailed),
-            State::Homing => match self.use_found_angles() {
-                Ok(pose) => {
-                    self.homed = true;
-                    self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
-                    self.begin_controlled_stop(Fault::BrakeFailed);
+            State::Armed | State::Fault => {
+                if let Needs::Motion = D::NEEDS {
+                    // Where the motor takes the falling rotor up: a jump to where it was could lose it.
+                    self.setpoint = Setpoint::hold(Vector2::units(self.counted()));
                 }
+                self.begin_controlled_stop(Fault::BrakeFailed);
+            }
+            State::Homing => match self.hold_where_found() {
+                Ok(()) => self.begin_controlled_stop(Fault::BrakeFailed),
                 Err(_) => self.pending_off = Some(Fault::BrakeFailed),
             },
             // They are not ended under the brakes.

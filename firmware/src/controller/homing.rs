@@ -7,13 +7,13 @@ use super::joint::Joint;
 use super::model::{AxisModel, Model};
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
-use crate::drives::{Drives, Needs};
+use crate::drives::{Drives, Needs, UnpoweredPlace};
 use crate::io::ArmSample;
 use crate::safety::{Event, Fault, Limits};
 use crate::settings::{AxisSettings, HomingMethod};
 use core::f32::consts::TAU;
-use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
 impl<D: Drives> ArmController<D> {
@@ -51,6 +51,7 @@ impl<D: Drives> ArmController<D> {
         let Model {
             axes: [axis1, axis4],
             nominal_inertia: [inertia1, inertia4],
+            home_gravity: [gravity1, gravity4],
             homing_configs: [config1, config4],
             period,
             ..
@@ -70,12 +71,14 @@ impl<D: Drives> ArmController<D> {
             joint: joint1,
             axis: axis1,
             inertia: *inertia1,
+            gravity: *gravity1,
             config: config1,
         };
         let searched4 = SearchedJoint {
             joint: joint4,
             axis: axis4,
             inertia: *inertia4,
+            gravity: *gravity4,
             config: config4,
         };
         let (error1, torque1) = searched1.step(*period, state1, read(closed1, index1, current1))?;
@@ -89,10 +92,14 @@ impl<D: Drives> ArmController<D> {
             };
         }
         self.error = [error1, error4];
-        if self.model.monitor.following_error_exceeded(self.error) {
+        let [most1, most4] = self.model.homing_error;
+        if Scalar::abs(error1) > most1 || Scalar::abs(error4) > most4 {
             return Err(Fault::FollowingError);
         }
         if moves && self.homing.iter().all(|state| state.found().is_some()) {
+            if self.drives.unpowered_place() == UnpoweredPlace::Lost {
+                return self.hold_when_homed().map(Some);
+            }
             if !self.brake.takes_time() {
                 self.finish_homing()?;
                 return Ok(None);
@@ -106,6 +113,28 @@ impl<D: Drives> ArmController<D> {
         }))
     }
 
+    /// Ends homing of an arm that only power keeps where it is: as soon as it rests it is held there, armed.
+    fn hold_when_homed(&mut self) -> Result<TorqueCommand, Fault> {
+        if self.homing.iter().all(|state| state.rate == 0.0) {
+            self.hold_where_found()?;
+            // Homing accepts this event.
+            let _ = self.dispatch(Event::Finish);
+        }
+        Ok(TorqueCommand {
+            torque: [0.0; 2],
+            limits: Limits::empty(),
+        })
+    }
+
+    /// The set-point of an arm that is homed, and held where it is.
+    pub(super) fn hold_where_found(&mut self) -> Result<(), Fault> {
+        let pose = self.use_found_angles()?;
+        self.homed = true;
+        self.mode = self.settings.working_mode();
+        self.setpoint = Setpoint::hold([pose.u1, pose.u4]);
+        Ok(())
+    }
+
     /// Ends homing. The angles are absolute from now on, if a pose on the branch of the settings has
     /// them.
     pub(super) fn finish_homing(&mut self) -> Result<(), Fault> {
@@ -117,7 +146,7 @@ impl<D: Drives> ArmController<D> {
     }
 
     /// Counts the joints' angles from where they were found. Returns the arm's pose.
-    pub(super) fn use_found_angles(&mut self) -> Result<Pose<f32>, Fault> {
+    fn use_found_angles(&mut self) -> Result<Pose<f32>, Fault> {
         let [state1, state4] = &self.homing;
         let (Some(counts1), Some(counts4)) = (state1.found(), state4.found()) else {
             return Err(Fault::Envelope);
@@ -177,6 +206,9 @@ struct SearchedJoint<'a> {
     axis: &'a AxisModel,
     /// About which it is driven [kg·m²].
     inertia: f32,
+    /// The torque that holds it at its home angle [N·m]: about what gravity takes where it begins, when the brakes
+    /// release it.
+    gravity: f32,
     config: &'a HomingConfig,
 }
 
@@ -194,6 +226,7 @@ impl SearchedJoint<'_> {
             joint,
             axis,
             inertia,
+            gravity,
             config,
         } = self;
         if let Some(read) = read {
@@ -214,7 +247,7 @@ impl SearchedJoint<'_> {
             .servo
             .position_loop
             .acceleration(joint.integral, 0.0, error, rate);
-        let demanded = inertia * alpha + axis.friction.torque(state.rate);
+        let demanded = inertia * alpha + gravity + axis.friction.torque(state.rate);
         Ok((error, limited(demanded, axis.homing_torque)))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::encoder::Scale;
 use super::model::AxisModel;
-use super::past::Between;
+use super::setpoint_history::Between;
 use crate::drives::JointState;
 use fivebar_kinematics::control::{Integral, ObserverState};
 

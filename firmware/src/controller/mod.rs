@@ -9,21 +9,21 @@ mod faults;
 mod holding_brake;
 mod homing;
 mod homing_state;
+mod index_check;
 mod joint;
 mod model;
-mod passing;
-mod past;
 mod path;
 mod planning;
 mod report;
 mod request;
 mod rest;
 mod setpoint;
+mod setpoint_history;
 mod status;
 mod tick;
+mod time_slices;
 mod tracking;
 mod transitions;
-mod turns;
 
 use crate::drives::{BrushedDrives, Drives};
 pub use crate::drives::{
@@ -45,11 +45,10 @@ use fivebar_kinematics::control::BeltState;
 use fivebar_kinematics::five_bar::WorkingMode;
 use holding_brake::HoldingBrake;
 use homing_state::HomingState;
+use index_check::Landmarks;
 use joint::Joint;
 use model::Model;
 use nalgebra::Vector2;
-use passing::Landmarks;
-use past::Past;
 use path::{Path, PathOutput};
 pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub(crate) use path::{least_rest, stopping_time};
@@ -58,6 +57,7 @@ pub use report::StatusSample;
 pub use request::{Posture, Request, RequestError, Stance};
 use rest::Rest;
 use setpoint::Setpoint;
+use setpoint_history::SetpointHistory;
 pub use status::{JointReference, Snapshot, Status};
 use transitions::Latched;
 
@@ -87,7 +87,7 @@ pub struct ArmController<D: Drives> {
     /// The working mode that the arm is in.
     mode: WorkingMode,
     limits: Limits,
-    /// The first tick has run.
+    /// The first tick with the joints' counts has run.
     begun: bool,
     homed: bool,
     /// The joints' counts were 0 in an index pulse.
@@ -101,7 +101,7 @@ pub struct ArmController<D: Drives> {
     /// The fault that switches the bridges off in the next tick.
     pending_off: Option<Fault>,
     model: Model,
-    past: Past,
+    setpoint_history: SetpointHistory,
     /// The deviations of joints behind belts.
     belts: [BeltState<f32>; 2],
     path: Path,
@@ -175,7 +175,7 @@ fresh_controller! { checked;
     joints: [Joint::new(), Joint::new()],
     drives: D::new(checked),
     setpoint: Setpoint::hold([Vector2::zeros(); 2]),
-    past: Past::none(),
+    setpoint_history: SetpointHistory::none(),
     belts: belts::STILL,
     error: [0.0; 2],
     ticks: 0,

@@ -1,8 +1,8 @@
 //! The constants of the tick, computed once from the settings.
 
 use super::homing_state::HomingConfig;
-use super::past::Age;
-use crate::drives::{Drives, Stage};
+use super::setpoint_history::Age;
+use crate::drives::{Drives, Needs, Stage};
 use crate::safety::Monitor;
 use crate::settings::{AxisSettings, BeltSettings, CheckedSettings, ControlSettings};
 use core::f32::consts::TAU;
@@ -35,6 +35,10 @@ pub(crate) struct Model {
     pub(crate) late_ticks: usize,
     /// Each joint's inertia [kg·m²] for the loops that assume a constant one.
     pub(crate) nominal_inertia: [f32; 2],
+    /// The torques that hold the arm at its home angles against gravity [N·m].
+    pub(crate) home_gravity: [f32; 2],
+    /// The greatest position error of each joint while homing [rad].
+    pub(crate) homing_error: [f32; 2],
     /// T [s].
     pub(crate) period: f32,
     /// Ticks after which an arm rests.
@@ -111,6 +115,8 @@ impl Model {
             ],
             torque_limit: TorqueLimit(settings.peak_torque()),
             nominal_inertia: settings.nominal_inertia(),
+            home_gravity: home_gravity(settings),
+            homing_error: homing_error::<D>(settings),
             computed_torque: control.computed_torque,
             on_belts: control.computed_torque && settings.is_on_belts(),
             rotor_inertia: settings.arm().rotor_inertia(),
@@ -127,6 +133,43 @@ impl Model {
             wake_up_ticks: wake_up_ticks::<D>(settings),
         }
     }
+}
+
+/// The torques that hold the arm at its home angles [N·m]; none where no pose has these angles, and homing fails there.
+fn home_gravity(settings: &CheckedSettings) -> [f32; 2] {
+    let [home1, home4] = settings.axes.each_ref().map(|axis| axis.home_angle);
+    let arm = settings.arm();
+    let pose = arm.geometry().forward(home1, home4, settings.assembly());
+    pose.and_then(|pose| arm.gravity_torque(&pose))
+        .unwrap_or_default()
+}
+
+/// The greatest position error of each joint while homing [rad]: that of `[protection]`, or what gravity may take before the
+/// loop of torques holds it, if that is more. Where an arm begins its torque may be the opposite of that at home, so twice
+/// as much is unknown, and the loop overshoots by half of it.
+fn homing_error<D: Drives>(settings: &CheckedSettings) -> [f32; 2] {
+    let allowed = settings.protection.following_error;
+    if let Needs::Motion = D::NEEDS {
+        return [allowed; 2];
+    }
+    let ([axis1, axis4], [torque1, torque4], [inertia1, inertia4]) = (
+        &settings.axes,
+        home_gravity(settings),
+        settings.nominal_inertia(),
+    );
+    let most = |axis: &AxisSettings, torque, inertia| {
+        let lag = D::lag(settings, Stage::Moves) + axis.encoder_latency;
+        let [moving, ..] = SHARES;
+        let stiffness = inertia
+            * Servo::new(&settings.control, [moving; 2], lag)
+                .position_loop
+                .kp();
+        allowed.max(3.0 * Scalar::abs(torque) / stiffness)
+    };
+    [
+        most(axis1, torque1, inertia1),
+        most(axis4, torque4, inertia4),
+    ]
 }
 
 /// Ticks from switching the drives on to the first one that drives: one more than they need, because a

@@ -1,7 +1,7 @@
 //! Requests of the host, and why one can be refused.
 
 use super::{ArmController, Excitation, Setpoint, encoder};
-use crate::drives::Drives;
+use crate::drives::{Drives, UnpoweredPlace};
 use crate::safety::{Event, Fault, State};
 use crate::settings::{HomingMethod, Settings};
 use fivebar_kinematics::five_bar::{Side, Tool, WorkingMode};
@@ -36,7 +36,8 @@ pub enum Request {
     Disarm,
     /// Find the joint angles, by the settings' [`HomingMethod`].
     Home,
-    /// Set the joints' present angles to θ1, θ4 [rad].
+    /// Set the joints' present angles to θ1, θ4 [rad]. Drives that only power keeps in place take power for
+    /// it and hold the arm, as for [`Request::Arm`].
     SetAngles([f32; 2]),
     /// Come to rest on the path, drop the rest of it and hold.
     Stop,
@@ -164,6 +165,15 @@ impl<D: Drives> ArmController<D> {
         })
     }
 
+    /// Whether the drives take power for a request.
+    pub fn powers(&self, request: Request) -> bool {
+        match request {
+            Request::Arm | Request::Home | Request::Excite(_) => true,
+            Request::SetAngles(_) => self.drives.unpowered_place() == UnpoweredPlace::Lost,
+            Request::Disarm | Request::Stop | Request::EmergencyStop | Request::ClearFault => false,
+        }
+    }
+
     /// Executes a request with its solved posture, if it has one.
     ///
     /// # Errors
@@ -175,8 +185,7 @@ impl<D: Drives> ArmController<D> {
     ) -> Result<(), RequestError> {
         self.feed_host_timeout();
         let stance = stance.unwrap_or(Err(RequestError::NotHomed));
-        let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
-        if powers && self.state == State::Stopped && !self.drives.is_ready() {
+        if self.powers(request) && self.state == State::Stopped && !self.drives.is_ready() {
             return Err(RequestError::CurrentZero);
         }
         // Each request has its own call, so that only its own transition is compiled behind it.
@@ -271,6 +280,11 @@ impl<D: Drives> ArmController<D> {
         }
         self.homed = true;
         self.homed_by_index = false;
+        if self.powers(Request::SetAngles(angles)) {
+            self.prepare_to_hold(Ok(stance))?;
+            // Stopped accepts this event.
+            let _ = self.dispatch(Event::Arm);
+        }
         Ok(())
     }
 }

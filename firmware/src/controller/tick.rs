@@ -2,7 +2,7 @@
 
 use super::ArmController;
 use super::setpoint::Setpoint;
-use crate::drives::{Demand, Drives, Motion, Needs};
+use crate::drives::{Demand, Drives, Motion, Needs, UnpoweredPlace};
 use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Fault, Limits, State, TOLERATED_TICKS};
 use fivebar_kinematics::five_bar;
@@ -43,7 +43,7 @@ impl ControlMode {
 }
 
 /// What the drives do in a tick without a reference.
-pub(super) enum WithoutReference {
+pub(super) enum UnpoweredOutput {
     /// They are off.
     Off,
     /// They wake up.
@@ -81,18 +81,18 @@ impl<D: Drives> ArmController<D> {
         }
         if let ControlMode::Off | ControlMode::Waking = mode {
             return match self.follow_nothing(sample, measurement, mode) {
-                WithoutReference::Off => self.off(),
-                WithoutReference::Waking => self.waking(),
-                WithoutReference::Excited => self.excited(),
+                UnpoweredOutput::Off => self.off(),
+                UnpoweredOutput::Waking => self.waking(),
+                UnpoweredOutput::Excited => self.excited(),
             };
         }
-        let fault = self.sampled_fault(sample, &measurement);
+        let fault = self.fault_in_sample(sample, &measurement);
         if let Some(fault) = fault.or_else(|| self.contradiction()) {
             self.power_off(fault);
             return self.off();
         }
         if let Some(verdict) = self.brake.take_verdict() {
-            return self.end_test(verdict);
+            return self.end_test(verdict, sample);
         }
         let torques = match mode {
             ControlMode::Off | ControlMode::Waking => return self.off(),
@@ -117,7 +117,7 @@ impl<D: Drives> ArmController<D> {
             return self.off();
         };
         self.compare_pulses(sample);
-        self.take_turn(sample);
+        self.run_time_slice(sample);
         command.tool = self.path.tool_output();
         command
     }
@@ -141,8 +141,12 @@ impl<D: Drives> ArmController<D> {
         let [joint1, joint4] = &mut self.joints;
         let [model1, model4] = &self.model.axes;
         // Of the moment that the observer observes.
-        let alpha1 = self.past.alpha(five_bar::Joint::Joint1, &model1.servo.age);
-        let alpha4 = self.past.alpha(five_bar::Joint::Joint4, &model4.servo.age);
+        let alpha1 = self
+            .setpoint_history
+            .alpha(five_bar::Joint::Joint1, &model1.servo.age);
+        let alpha4 = self
+            .setpoint_history
+            .alpha(five_bar::Joint::Joint4, &model4.servo.age);
         let [counts1, counts4] = self.drives.counts(sample.counts);
         let innovation = [
             joint1.measure(model1, counts1, alpha1),
@@ -249,19 +253,19 @@ impl<D: Drives> ArmController<D> {
     }
 
     /// A tick with the bridges off, in which the emergency stop and an encoder jump are faults, or
-    /// one in which they wake up or excite a motor. Returns what they do after it. The first tick
-    /// takes its counts as the origin.
+    /// one in which they wake up or excite a motor. Returns what they do after it. The first tick with counts
+    /// takes them as the origin.
     #[inline(never)]
     fn follow_nothing(
         &mut self,
         sample: &ArmSample<D::Sample>,
         mut measurement: Measurement,
         mode: ControlMode,
-    ) -> WithoutReference {
+    ) -> UnpoweredOutput {
         self.forget_rest();
         self.cool();
         if !self.begun {
-            self.begun = true;
+            self.begun = self.drives.tell_counts();
             measurement.innovation = [0.0; 2];
             measurement.velocity = [0.0; 2];
             for ((joint, axis), counts) in self
@@ -284,7 +288,7 @@ impl<D: Drives> ArmController<D> {
         match fault {
             Some(fault) => {
                 self.power_off(fault);
-                WithoutReference::Off
+                UnpoweredOutput::Off
             }
             None if wakes => {
                 self.waking = self.waking.saturating_sub(1);
@@ -293,19 +297,22 @@ impl<D: Drives> ArmController<D> {
                 }
                 self.drives.wake(self.drives.counts(sample.counts));
                 self.release();
-                WithoutReference::Waking
+                UnpoweredOutput::Waking
             }
             None => {
                 self.drives.rest(&sample.drives);
                 self.unpowered();
-                WithoutReference::Off
+                UnpoweredOutput::Off
             }
         }
     }
 
-    /// The bridges go off, or are off.
+    /// The bridges go off, or are off: an arm whose place nothing shows then is not homed any more.
     #[inline(always)]
     pub(super) fn unpowered(&mut self) {
+        if self.drives.unpowered_place() != UnpoweredPlace::Kept {
+            self.homed = false;
+        }
         self.waking = self.model.wake_up_ticks;
         self.brake.lose_power();
         self.release();
@@ -316,7 +323,7 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     pub(super) fn off(&self) -> ArmCommand<D::Command> {
         ArmCommand {
-            drives: D::Command::default(),
+            drives: self.drives.unpowered(),
             enable: [false; 2],
             brake: true,
             tool: self.path.tool_output(),
@@ -339,7 +346,7 @@ impl<D: Drives> ArmController<D> {
         self.pending_stop = None;
         self.pending_off = None;
         self.setpoint.rest();
-        self.past.restart();
+        self.setpoint_history.restart();
         self.release_loops();
     }
 

@@ -17,7 +17,7 @@ impl<D: Drives> ArmController<D> {
     pub(super) fn track(&mut self) -> Result<TorqueCommand, Fault> {
         // Where the joints should be, and where they will be, when the torque acts.
         let limits = self.advance()?;
-        self.past.keep(&self.setpoint);
+        self.setpoint_history.keep(&self.setpoint);
         if self.model.on_belts {
             let (torque, limited) = self.torques_on_belts()?;
             return Ok(TorqueCommand {
@@ -32,10 +32,18 @@ impl<D: Drives> ArmController<D> {
         } = self.setpoint;
         let [joint1, joint4] = &self.joints;
         let [axis1, axis4] = &self.model.axes;
-        let (theta1, omega1) =
-            joint1.predicted(axis1, &self.past.between(Joint::Joint1, &axis1.servo.age));
-        let (theta4, omega4) =
-            joint4.predicted(axis4, &self.past.between(Joint::Joint4, &axis4.servo.age));
+        let (theta1, omega1) = joint1.predicted(
+            axis1,
+            &self
+                .setpoint_history
+                .between(Joint::Joint1, &axis1.servo.age),
+        );
+        let (theta4, omega4) = joint4.predicted(
+            axis4,
+            &self
+                .setpoint_history
+                .between(Joint::Joint4, &axis4.servo.age),
+        );
         let (omega1, omega4) = (omega1d + omega1, omega4d + omega4);
         let [u1, u4] = Vector2::units([theta1, theta4]);
         let links = self.measured([u1, u4])?;

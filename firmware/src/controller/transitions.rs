@@ -57,6 +57,10 @@ impl<D: Drives> ArmController<D> {
             self.forget_assembly();
         }
         match (next, event) {
+            (State::Stopped, Event::Clear) => {
+                self.come_to_stopped();
+                self.drives.clear_errors();
+            }
             (State::Stopped, _) => self.come_to_stopped(),
             (State::Homing, _) => self.start_homing(),
             // Segments pushed behind the end of the path stay queued until more come.

@@ -1,7 +1,9 @@
-//! Drivers of the bridges and inputs over the traits of embedded-hal, and what a timer is told for micro-steps. They run on any board and
+//! Drivers of the bridges and inputs over the traits of embedded-hal, what a timer is told for micro-steps, and which crystals
+//! give the clock. They run on any board and
 //! are tested on a desktop.
 
 mod bridge;
+pub mod crystal;
 mod inputs;
 pub mod steps;
 

@@ -13,11 +13,11 @@ pub trait DriveInterface {
     /// The drives of the controller.
     type Drives: Drives;
     /// What comes from the drives.
-    type Sample: Copy + Default + Debug + Serialize + DeserializeOwned;
+    type Sample: Copy + Default + Debug + Send + Serialize + DeserializeOwned;
     /// What goes to them.
-    type Command: Copy + Default + Debug + Serialize + DeserializeOwned;
+    type Command: Copy + Default + Debug + Send + Serialize + DeserializeOwned;
     /// What lies between, with a memory of its own.
-    type Link;
+    type Link: Send;
 
     /// The link to the drives of these settings.
     fn link(settings: &CheckedSettings) -> Self::Link;

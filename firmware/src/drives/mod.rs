@@ -4,19 +4,19 @@
 //! what is below it makes torques of them. The controller takes the drives as a type parameter, so only the code of
 //! the drives in use is in an image.
 //!
-//! | | needs | senses | lag |
-//! |---|---|---|---|
-//! | [`BrushedDrives`]: brushed motors on H-bridges | a torque | ADC codes of currents and bus voltage | of the current loop |
-//! | [`TorqueDrives`]: drives that close their own current loops | a torque | torques, their age, errors | of transmission, a held torque, and the current loop |
-//! | [`StepDrives`]: step and direction for stepper motors; pulses for hobby servos | a motion | the micro-steps that are made | one tick |
+//! | | needs | senses | lag | place without power |
+//! |---|---|---|---|---|
+//! | [`BrushedDrives`]: brushed motors on H-bridges | a torque | ADC codes of currents and bus voltage | of the current loop | kept: the controller counts their encoders |
+//! | [`TorqueDrives`]: drives that close their own current loops | a torque | torques, their age, errors | of transmission, a held torque, and the current loop | kept while both answer; with absolute encoders always |
+//! | [`StepDrives`]: step and direction for stepper motors; pulses for hobby servos | a motion | the micro-steps that are made | one tick | lost; with encoders kept. A servo knows its angle |
 
 mod brushed;
 pub mod can;
 mod excitation;
 mod interface;
-mod lead;
-mod slip;
+mod load_angle;
 mod step;
+mod step_loss;
 mod torque;
 
 use crate::safety::Fault;
@@ -27,7 +27,8 @@ use fivebar_kinematics::five_bar::Joint;
 pub use interface::DriveInterface;
 pub use step::{Resolution, StepCommand, StepDrives, StepSample};
 pub use torque::{
-    DriveHealth, DriveStiffness, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,
+    DriveHealth, DriveStiffness, OLDEST_ANSWER, OLDEST_SAMPLE, TorqueDrives, TorqueSample,
+    TorqueSetPoint,
 };
 
 /// Ticks from one watch of a joint's drive to the next, see [`Drives::watch_heat`].
@@ -71,6 +72,17 @@ pub enum Needs {
     Motion,
 }
 
+/// What shows the place of the joints once their drives have no power.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnpoweredPlace {
+    /// The counts: the controller goes on to count the encoders, or each knows its angle.
+    Kept,
+    /// Nothing: a motor without an encoder is where its micro-steps have led it only as long as it has current.
+    Lost,
+    /// Nothing any more: a drive that counts by itself was silent, so it may have restarted with another zero.
+    Unconfirmed,
+}
+
 /// The motion of both joints when the torque acts.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
@@ -111,14 +123,20 @@ pub struct DriveReport {
 ///
 /// One tick calls [`Drives::sense`] first. With power it then looks for faults, and calls [`Drives::drive`]; without
 /// power it calls [`Drives::rest`]. All work is bounded and allocates nothing.
-pub trait Drives: Clone {
+pub trait Drives: Clone + Send {
     /// What the drives sense in a tick, besides the counts of the encoders and the fault outputs, which every arm has.
-    type Sample: Copy + Default + PartialEq + core::fmt::Debug;
+    type Sample: Copy + Default + PartialEq + core::fmt::Debug + Send;
     /// What the drives do until the next tick, besides their enable. Its default is the safe state: no torque.
-    type Command: Copy + Default + PartialEq + core::fmt::Debug;
+    type Command: Copy + Default + PartialEq + core::fmt::Debug + Send;
 
     /// What they need.
     const NEEDS: Needs;
+
+    /// What the log and the last sample tell of a tick. Their signals are those of brushed motors: other drives have none.
+    #[inline(always)]
+    fn logged(_: &Self::Sample, _: &Self::Command) -> (BrushedSample, BrushedCommand) {
+        Default::default()
+    }
 
     /// How long the drives take from their enable until they drive [s].
     const WAKE_UP_TIME: f32;
@@ -145,6 +163,12 @@ pub trait Drives: Clone {
         counts
     }
 
+    /// Whether this tick's sample has counts: drives on a bus have told none before their first answer.
+    #[inline(always)]
+    fn tell_counts(&self) -> bool {
+        true
+    }
+
     /// The fault that the sample of a drive shows by itself.
     fn drive_fault(&self) -> Option<Fault>;
 
@@ -160,6 +184,15 @@ pub trait Drives: Clone {
     /// What the drives do until the next tick.
     fn command(&self) -> Self::Command;
 
+    /// What the drives do until the next tick while they give no torque.
+    #[inline(always)]
+    fn unpowered(&self) -> Self::Command {
+        Self::Command::default()
+    }
+
+    /// A host has cleared the fault: drives that keep errors of their own clear them in the next tick.
+    fn clear_errors(&mut self) {}
+
     /// Whether every output is a number.
     fn is_finite(&self) -> bool;
 
@@ -168,6 +201,9 @@ pub trait Drives: Clone {
 
     /// One tick in which the drives wake up, with the latched counts.
     fn wake(&mut self, counts: [i32; 2]);
+
+    /// What shows the joints' place from a tick without power on, as far as this tick's sample tells.
+    fn unpowered_place(&self) -> UnpoweredPlace;
 
     /// Whether what was sensed without power allows power.
     fn is_ready(&self) -> bool;

@@ -1,11 +1,11 @@
 //! Step and direction: stepper motors that make the micro-steps to their set-points.
 
-use super::lead::Lead;
-use super::slip::Slip;
-use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
+use super::load_angle::LoadAngle;
+use super::step_loss::StepLoss;
+use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::{Demand, Motion};
 use crate::safety::Fault;
-use crate::settings::{AxisSettings, CheckedSettings, Settings};
+use crate::settings::{AxisSettings, CheckedSettings, HomingMethod, Settings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_kinematics::{PlanarVector, Scalar};
@@ -73,10 +73,16 @@ pub struct StepCommand {
 /// at the home angle, and by the units made longer. Its field has no stiffness that is known, so nothing leads.
 ///
 /// With an encoder, the joint's angle is what it counts, and [`Fault::StepsLost`] ends a motion in which counts and
-/// micro-steps part. The angle stays known.
+/// micro-steps part. The angle stays known, also without power.
+///
+/// A motor without an encoder and without current is where its load, a hand or the driver's reset puts it, so its place is
+/// [`UnpoweredPlace::Lost`]. A hobby servo keeps its place: the counts are the pulse, to which the loop in its case
+/// returns when power comes. The settings show it by [`HomingMethod::Absolute`].
 #[derive(Clone)]
 pub struct StepDrives {
     axes: [Axis; 2],
+    /// The counts show the angles by themselves.
+    is_absolute: bool,
 }
 
 /// One joint's motor.
@@ -86,8 +92,8 @@ struct Axis {
     turns: f32,
     /// The most motor turns in a tick.
     fastest: f32,
-    slip: Slip,
-    lead: Lead,
+    step_loss: StepLoss,
+    load_angle: LoadAngle,
     /// Micro-steps made until this tick.
     made: i32,
     resolution: Resolution,
@@ -118,6 +124,7 @@ impl Drives for StepDrives {
                 Axis::new(axis1, field1.stiffness, tick_rate),
                 Axis::new(axis4, field4.stiffness, tick_rate),
             ],
+            is_absolute: settings.home_reference.method == HomingMethod::Absolute,
         }
     }
 
@@ -202,7 +209,7 @@ impl Drives for StepDrives {
 
     fn rest(&mut self, _: &StepSample) {
         for axis in &mut self.axes {
-            axis.slip.rest();
+            axis.step_loss.rest();
         }
     }
 
@@ -210,6 +217,15 @@ impl Drives for StepDrives {
     fn wake(&mut self, counts: [i32; 2]) {
         for (axis, counts) in self.axes.iter_mut().zip(counts) {
             axis.fault(counts);
+        }
+    }
+
+    fn unpowered_place(&self) -> UnpoweredPlace {
+        let [axis1, axis4] = &self.axes;
+        if self.is_absolute || axis1.has_encoder && axis4.has_encoder {
+            UnpoweredPlace::Kept
+        } else {
+            UnpoweredPlace::Lost
         }
     }
 
@@ -255,8 +271,8 @@ impl Axis {
         Self {
             turns,
             fastest: MARGIN * axis.max_speed * Scalar::abs(turns) / tick_rate,
-            slip: Slip::new(axis.encoder_counts, tick_rate),
-            lead: Lead::new(axis.gear_ratio, stiffness),
+            step_loss: StepLoss::new(axis.encoder_counts, tick_rate),
+            load_angle: LoadAngle::new(axis.gear_ratio, stiffness),
             has_encoder: false,
             made: 0,
             resolution: Resolution::default(),
@@ -267,8 +283,8 @@ impl Axis {
 
     #[inline(always)]
     fn fault(&mut self, counts: i32) -> Option<Fault> {
-        let told = self.made.wrapping_sub(self.lead.made());
-        self.slip.fault(counts, told, self.resolution)
+        let told = self.made.wrapping_sub(self.load_angle.made());
+        self.step_loss.fault(counts, told, self.resolution)
     }
 
     #[inline(always)]
@@ -276,7 +292,7 @@ impl Axis {
         if self.has_encoder {
             counts
         } else {
-            counts.wrapping_sub(self.lead.made())
+            counts.wrapping_sub(self.load_angle.made())
         }
     }
 
@@ -292,17 +308,17 @@ impl Axis {
         load: Option<f32>,
     ) -> bool {
         if velocity != 0.0 {
-            self.slip.moves();
+            self.step_loss.moves();
         }
         let per_turn = self.resolution.per_turn();
         let gap = Vector2::unit(counted).cross_z(set_point.into());
         // `as` cuts: one more.
         let most = (self.fastest * per_turn) as i32 + 1;
-        let lead = self.lead.wanted(load, self.resolution);
-        let led = lead - self.lead.made() as f32;
-        let micro_steps = gap * self.turns * per_turn + self.slip.ahead() + led;
+        let lead = self.load_angle.wanted(load, self.resolution);
+        let led = lead - self.load_angle.made() as f32;
+        let micro_steps = gap * self.turns * per_turn + self.step_loss.ahead() + led;
         let (steps, limited) = whole(micro_steps, most);
-        self.lead.make(whole(lead, i32::MAX).0);
+        self.load_angle.make(whole(lead, i32::MAX).0);
         self.steps = steps;
         limited
     }

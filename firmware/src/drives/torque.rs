@@ -1,16 +1,20 @@
 //! Drives that close their own current loops, and take a torque, as those on a bus do.
 
-use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
+use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::Demand;
 use crate::safety::Fault;
-use crate::settings::{AxisSettings, CheckedSettings, Settings};
+use crate::settings::{AxisSettings, CheckedSettings, HomingMethod, Settings};
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
-/// The oldest answer of a drive that is not a fault [s]. At 1 kHz both drives then give no torque within 3 ms of the last
-/// answer of one: it is missed in the second tick, and the command of that tick arrives before the third.
-pub const OLDEST_SAMPLE: f32 = 1.5e-3;
+/// The oldest answer of a drive that is not a fault [ticks]: an answer is one tick old when the tick takes it, and one
+/// answer may be missing. The third tick after the last answer finds a silent drive, at any tick rate.
+pub const OLDEST_ANSWER: u16 = 2;
+
+/// The time that [`OLDEST_ANSWER`] may take [s], which bounds the tick rate from below. At 1 kHz both drives then give no
+/// torque within 4 ms of the last answer of one.
+pub const OLDEST_SAMPLE: f32 = 3e-3;
 
 /// Time from the end of a tick until its set-points are at both drives, in the mean [s]: on a bus of 1 Mbit/s they arrive
 /// after 0.12 ms, and 0.25 or 0.37 ms.
@@ -42,7 +46,7 @@ pub struct TorqueSample {
 }
 
 /// What the drives should do until the next tick, at the joints: give a torque, and that of a spring and a damper about a
-/// motion, which [`DriveStiffness`] has. Its default gives no torque, and damps.
+/// motion, which [`DriveStiffness`] has. Its default gives no torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TorqueSetPoint {
     /// τ1, τ4 [N·m].
@@ -51,6 +55,11 @@ pub struct TorqueSetPoint {
     pub ahead: [f32; 2],
     /// The velocities then [rad/s].
     pub velocity: [f32; 2],
+    /// The drives make the spring and the damper. While the arm homes or its brakes are tested the torque is limited, and a
+    /// step of a frame's position or velocity must not add one to it.
+    pub is_stiff: bool,
+    /// The drives clear the errors that they keep, because a host has cleared the fault.
+    pub clear_errors: bool,
 }
 
 /// The spring and the damper that a drive makes itself, of its own encoder and many times in a tick. They answer what the
@@ -92,8 +101,12 @@ fn loop_lag(axis: &AxisSettings) -> f32 {
 ///
 /// The age of the counts that is usual belongs to the settings, as
 /// [`encoder_latency`](crate::settings::AxisSettings::encoder_latency), and so does the lag of a drive's own current loop,
-/// as that of a winding: `inductance` over `resistance`. An answer older than [`OLDEST_SAMPLE`] is
+/// as that of a winding: `inductance` over `resistance`. An answer older than [`OLDEST_ANSWER`] is
 /// [`Fault::DriveSilent`].
+///
+/// The drives count their encoders themselves. One that has fallen silent may have lost its supply and restarted, with another
+/// zero, so the joints' place is then [`UnpoweredPlace::Unconfirmed`], with power and without. Drives that know their angles,
+/// [`HomingMethod::Absolute`], keep it.
 #[derive(Clone)]
 pub struct TorqueDrives {
     /// Measured at the joints [N·m].
@@ -105,8 +118,11 @@ pub struct TorqueDrives {
     fault: Option<Fault>,
     /// Whether one of them gives no torque.
     is_off: bool,
-    /// [`OLDEST_SAMPLE`] [ticks].
-    oldest: u16,
+    /// A host has cleared the fault since the last tick; this tick's command says so.
+    clear_ordered: bool,
+    clears_errors: bool,
+    /// The drives know their angles.
+    is_absolute: bool,
     /// Motor current per joint torque, 1/(N k) [A/(N·m)].
     current_per_torque: [f32; 2],
 }
@@ -134,8 +150,9 @@ impl Drives for TorqueDrives {
             loop_lag: [axis1, axis4].map(loop_lag),
             fault: None,
             is_off: true,
-            // `as` cuts.
-            oldest: (OLDEST_SAMPLE * settings.control.tick_rate) as u16,
+            clear_ordered: false,
+            clears_errors: false,
+            is_absolute: settings.home_reference.method == HomingMethod::Absolute,
             current_per_torque: [axis1, axis4]
                 .map(|axis| 1.0 / (axis.gear_ratio * axis.torque_constant)),
         }
@@ -156,17 +173,23 @@ impl Drives for TorqueDrives {
     fn sense(&mut self, sample: &TorqueSample) {
         let [age1, age4] = sample.age;
         let [health1, health4] = sample.health;
+        self.clears_errors = core::mem::take(&mut self.clear_ordered);
         self.torque = sample.torque;
         self.is_off = health1 != DriveHealth::Drives || health4 != DriveHealth::Drives;
         self.fault = if sample.bus_off {
             Some(Fault::BusOff)
-        } else if age1 > self.oldest || age4 > self.oldest {
+        } else if age1 > OLDEST_ANSWER || age4 > OLDEST_ANSWER {
             Some(Fault::DriveSilent)
         } else if health1 == DriveHealth::Error || health4 == DriveHealth::Error {
             Some(Fault::DriveError)
         } else {
             None
         };
+    }
+
+    #[inline(always)]
+    fn tell_counts(&self) -> bool {
+        !matches!(self.fault, Some(Fault::DriveSilent | Fault::BusOff))
     }
 
     /// A drive that is silent, or tells an error; or the bus.
@@ -192,6 +215,8 @@ impl Drives for TorqueDrives {
             // Where the joint is and moves to: without force.
             ahead: [0.0; 2],
             velocity: demand.velocity,
+            is_stiff: demand.keeps_to_motion,
+            clear_errors: false,
         };
         if demand.keeps_to_motion {
             let ([omega1, omega4], [alpha1, alpha4]) =
@@ -218,11 +243,24 @@ impl Drives for TorqueDrives {
     }
 
     #[inline(always)]
+    fn unpowered(&self) -> TorqueSetPoint {
+        TorqueSetPoint {
+            clear_errors: self.clears_errors,
+            ..TorqueSetPoint::default()
+        }
+    }
+
+    fn clear_errors(&mut self) {
+        self.clear_ordered = true;
+    }
+
+    #[inline(always)]
     fn is_finite(&self) -> bool {
         let TorqueSetPoint {
             torque: [torque1, torque4],
             ahead: [ahead1, ahead4],
             velocity: [omega1, omega4],
+            ..
         } = self.set_point;
         let joint1 = torque1.is_finite() && ahead1.is_finite() && omega1.is_finite();
         joint1 && torque4.is_finite() && ahead4.is_finite() && omega4.is_finite()
@@ -231,6 +269,17 @@ impl Drives for TorqueDrives {
     fn rest(&mut self, _: &TorqueSample) {}
 
     fn wake(&mut self, _: [i32; 2]) {}
+
+    /// A controller that has left the bus hears no answer, either.
+    #[inline(always)]
+    fn unpowered_place(&self) -> UnpoweredPlace {
+        match self.fault {
+            Some(Fault::DriveSilent | Fault::BusOff) if !self.is_absolute => {
+                UnpoweredPlace::Unconfirmed
+            }
+            _ => UnpoweredPlace::Kept,
+        }
+    }
 
     fn is_ready(&self) -> bool {
         true

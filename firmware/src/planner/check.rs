@@ -2,6 +2,7 @@
 
 use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::motion::{ARC_TOLERANCE, Move, MoveKind};
+use core::f32::consts::TAU;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::five_bar::{Side, WorkingMode, Workspace};
 use fivebar_kinematics::trajectory::{
@@ -69,6 +70,7 @@ impl Planner {
         let start = End {
             tool: vec2(from),
             joints: None,
+            turns: None,
         };
         let (_, end) = self.check_move(start, next)?;
         Ok([end.tool.x, end.tool.y])
@@ -84,10 +86,25 @@ impl Planner {
         from: [f32; 2],
         moves: impl IntoIterator<Item = &'a Move>,
     ) -> Result<(), MoveError> {
+        self.check_all_from(from, None, moves)
+    }
+
+    /// As [`Planner::check_all`], from the joint angles θ1, θ4 [rad] on: where the joint limits are wider than a turn, they tell
+    /// in which turn each joint begins. Without them it is the first that the limits allow.
+    ///
+    /// # Errors
+    /// As [`Planner::check_all`].
+    pub fn check_all_from<'a>(
+        &mut self,
+        from: [f32; 2],
+        joints: Option<[f32; 2]>,
+        moves: impl IntoIterator<Item = &'a Move>,
+    ) -> Result<(), MoveError> {
         let (mode, assembly) = (self.envelope.workspace.mode, self.assembly);
         let mut start = End {
             tool: vec2(from),
             joints: None,
+            turns: joints,
         };
         let checked = moves.into_iter().try_for_each(|next| {
             let (checked, end) = self.check_move(start, next)?;
@@ -111,6 +128,7 @@ impl Planner {
         let start = End {
             tool: Vector2::zeros(),
             joints: Some(from),
+            turns: Some(from),
         };
         self.check_joint_move(0, start, to, speed).map(|_| ())
     }
@@ -167,13 +185,27 @@ impl Planner {
             }
             MoveKind::Joint { to, speed } => self.check_joint_move(tag, start, to, speed),
             MoveKind::Timed(timed) => {
-                let (_, [tool, ..]) = self.check_timed(tag, &timed, ToolOutput::constant(0.0))?;
-                Ok((CheckedMove::Timed, End { tool, joints: None }))
+                let output = ToolOutput::constant(0.0);
+                let (_, [tool, ..], turns) = self.check_timed(tag, &timed, output, start.turns)?;
+                let joints = None;
+                Ok((
+                    CheckedMove::Timed,
+                    End {
+                        tool,
+                        joints,
+                        turns,
+                    },
+                ))
             }
             MoveKind::Crossing(plan) => {
                 self.check_crossing(tag, start.tool, &plan)?;
                 let tool = vec2(plan.to);
-                Ok((CheckedMove::Crossing, End { tool, joints: None }))
+                let end = End {
+                    tool,
+                    joints: None,
+                    turns: None,
+                };
+                Ok((CheckedMove::Crossing, end))
             }
         }?;
         if checked.is_valid() {
@@ -199,9 +231,9 @@ impl Planner {
         if !(feed > 0.0 && feed.is_finite()) {
             return Err(MoveError::new(tag, MoveErrorKind::Number));
         }
-        let motion_limits = self
+        let (motion_limits, turns) = self
             .envelope
-            .check(&segment, feed)
+            .check_from(&segment, feed, start.turns)
             .map_err(|error| MoveError::on_path(tag, &error))?;
         MoveError::unless_in_time(tag, segment.length(), motion_limits.speed)?;
         // The end as requested: the segment's own end is rounded, and a full circle is
@@ -209,6 +241,7 @@ impl Planner {
         let end = End {
             tool: vec2(to),
             joints: None,
+            turns,
         };
         let checked = CheckedMove::Path {
             segment,
@@ -231,7 +264,7 @@ impl Planner {
         let from = match start.joints {
             Some(joints) => joints,
             None => self
-                .joints_at(start.tool)
+                .joints_at(&start)
                 .ok_or(MoveError::new(tag, MoveErrorKind::Unreachable))?,
         };
         let (motion_limits, pose) = self
@@ -244,6 +277,7 @@ impl Planner {
         let end = End {
             tool: tool.point(&pose),
             joints: Some(to),
+            turns: Some(to),
         };
         let mode = tool.working_mode(&pose);
         let checked = CheckedMove::Joint {
@@ -256,12 +290,23 @@ impl Planner {
     }
 
     /// θ1, θ4 [rad] with the tool at a point of the workspace [m].
-    fn joints_at(&self, tool: Vector2<f32>) -> Option<[f32; 2]> {
+    fn joints_at(&self, end: &End) -> Option<[f32; 2]> {
         let workspace = &self.envelope.workspace;
-        let pose = workspace.tool.inverse(tool, workspace.mode).ok()?;
-        let (theta1, theta4) = (pose.u1.polar_angle(), pose.u4.polar_angle());
-        workspace.limits?.angles_within(theta1, theta4).ok()
+        let pose = workspace.tool.inverse(end.tool, workspace.mode).ok()?;
+        let [theta1, theta4] = [pose.u1.polar_angle(), pose.u4.polar_angle()];
+        match end.turns {
+            Some([near1, near4]) => Some([near(theta1, near1), near(theta4, near4)]),
+            None => workspace.limits?.angles_within(theta1, theta4).ok(),
+        }
     }
+}
+
+/// An angle in the turn in which it is nearest to another [rad].
+fn near(angle: f32, other: f32) -> f32 {
+    let turns = (other - angle) * (1.0 / TAU);
+    // `as` cuts.
+    let whole = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
+    angle + TAU * whole as f32
 }
 
 fn arc(

@@ -15,8 +15,8 @@ mod crossing;
 mod crossing_evidence;
 mod crossing_pieces;
 mod error;
-mod joined;
-mod supply;
+mod line_merging;
+mod segment_feed;
 mod timed;
 
 use crate::controller::{
@@ -34,13 +34,13 @@ use fivebar_kinematics::trajectory::{
     Envelope, LookaheadPlanner, MotionLimits, ToolOutput, TorqueLimits,
 };
 use heapless::HistoryBuf;
-use joined::Waiting;
+use line_merging::Waiting;
 use nalgebra::Vector2;
 use rtic_core::Mutex;
 use timed::ToolMotion;
 
 pub use error::{LONGEST, MoveError, MoveErrorKind};
-pub use supply::SEGMENTS_PER_RUN;
+pub use segment_feed::SEGMENTS_PER_RUN;
 
 /// Planned segments in the look-ahead. A move takes one, and two more for a rounded corner.
 pub const PLANNED_SEGMENTS: usize = 96;
@@ -119,6 +119,8 @@ struct End {
     tool: Vector2<f32>,
     /// θ1, θ4 [rad], if they are known more exactly than from the tool.
     joints: Option<[f32; 2]>,
+    /// θ1, θ4 there [rad], as far as they tell in which turn each joint is.
+    turns: Option<[f32; 2]>,
 }
 
 impl Planner {
@@ -415,9 +417,11 @@ impl Planner {
     fn hold_position(&self, snapshot: &PlanningSnapshot) -> Option<End> {
         let hold = snapshot.hold?;
         let tool = &self.envelope.workspace.tool;
+        let joints = Some(hold.joints());
         Some(End {
             tool: hold.tool(tool, self.assembly)?,
-            joints: Some(hold.joints()),
+            joints,
+            turns: joints,
         })
     }
 }

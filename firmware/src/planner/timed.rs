@@ -4,7 +4,7 @@
 //! is, so the tick follows the host's own motion. The first begins at rest, each one goes on where
 //! the last one ended, and every other move must wait until they have come to rest.
 
-use super::supply::ends_in_motion;
+use super::segment_feed::ends_in_motion;
 use super::{End, MoveError, MoveErrorKind, Planner};
 use crate::controller::{ArmController, PlanningSnapshot, QueuedSegment};
 use crate::drives::Drives;
@@ -24,6 +24,9 @@ const TANGENT: f32 = 1e-4;
 /// Position [m], velocity [m/s] and acceleration [m/s²] of the tool.
 pub(super) type ToolMotion = [Vector2<f32>; 3];
 
+/// A timed move's segment, the motion at its end, and θ1, θ4 there [rad] for their turns.
+type CheckedTimed = (TrajectorySegment<f32>, ToolMotion, Option<[f32; 2]>);
+
 impl Planner {
     /// Accepts a timed move, as [`Planner::push`] does.
     pub(super) fn push_timed(
@@ -41,7 +44,7 @@ impl Planner {
         if !self.is_empty() || snapshot.path_free < 1 + usize::from(rests) {
             return Err(refuse(MoveErrorKind::Full));
         }
-        let (segment, end) = self.check_timed(next.tag, timed, output)?;
+        let (segment, end, turns) = self.check_timed(next.tag, timed, output, start.turns)?;
         let rest = Vector2::zeros();
         let before = self.in_motion.unwrap_or([start.tool, rest, rest]);
         let begins = tool_motion(&segment.evaluate(0.0)).unwrap_or(before);
@@ -72,6 +75,7 @@ impl Planner {
         self.end = Some(End {
             tool: end[0],
             joints: None,
+            turns,
         });
         Ok(())
     }
@@ -82,7 +86,8 @@ impl Planner {
         tag: u32,
         timed: &TimedMove,
         tool: ToolOutput<f32>,
-    ) -> Result<(TrajectorySegment<f32>, ToolMotion), MoveError> {
+        turns: Option<[f32; 2]>,
+    ) -> Result<CheckedTimed, MoveError> {
         let number = MoveError::new(tag, MoveErrorKind::Number);
         let curve = Curve::from(timed.curve);
         if let Curve::Line { tangent, .. } | Curve::Arc { tangent, .. } = curve {
@@ -94,11 +99,11 @@ impl Planner {
         let [s, s_dot, s_ddot, jerk] = timed.law;
         let law = TimeLaw::new(s, s_dot, s_ddot, jerk);
         let segment = TrajectorySegment::along(curve, law, timed.duration, tag, tool);
-        let end = self
+        let (end, turns) = self
             .envelope_of_timed()
-            .check_timed(&segment, &self.friction)
+            .check_timed_from(&segment, &self.friction, turns)
             .map_err(|error| MoveError::on_path(tag, &error))?;
-        Ok((segment, tool_motion(&end).ok_or(number)?))
+        Ok((segment, tool_motion(&end).ok_or(number)?, turns))
     }
 }
 

@@ -75,6 +75,11 @@ impl<M: Message> Decoder<M> {
     /// Takes the next byte. `Some` at the end of each frame: its message, or why it is invalid.
     /// The work is bounded by the length of one frame.
     pub fn feed(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
+        self.feed_as(byte)
+    }
+
+    /// As [`Decoder::feed`], where a frame that ends now holds a message of another type.
+    pub fn feed_as<T: Message>(&mut self, byte: u8) -> Option<Result<T, FrameError>> {
         if self.lost.is_none() {
             match self.stuffing.feed(byte) {
                 Ok(DecodeResult::NoData) => return None,

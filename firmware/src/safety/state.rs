@@ -27,12 +27,13 @@ pub enum State {
     /// Moving both joints to their switches at limited current.
     ///
     /// Entry: by request from Stopped.
-    /// Exit: to Stopped when both switches are found, or by a stop or disarm on the way.
+    /// Exit: to Stopped when both switches are found, or, with drives that only power keeps in place, to
+    /// Armed; to Stopped by a stop or disarm on the way.
     Homing,
     /// Holding where the arm was when the state was entered.
     ///
-    /// Entry: from Stopped by request, from Running at the end of the path, from Stopping
-    /// at rest. Exit: to Running as soon as there is a path; to Stopped by a disarm.
+    /// Entry: from Stopped by request, from Homing with drives that only power keeps in place, from Running at
+    /// the end of the path, from Stopping at rest. Exit: to Running as soon as there is a path; to Stopped by a disarm.
     Armed,
     /// Following the path.
     ///
@@ -77,7 +78,7 @@ pub enum Event {
     Homed,
     /// There is a path to follow.
     Begin,
-    /// The path has been followed to its end.
+    /// The path has been followed to its end; or another motion has ended, after which the arm is as before.
     Finish,
     /// Come to rest on the path.
     Stop,
@@ -138,12 +139,12 @@ impl State {
             ) => None,
 
             (Self::Homing, Event::Homed | Event::Stop | Event::Disarm) => Some(Self::Stopped),
+            (Self::Homing, Event::Finish) => Some(Self::Armed),
             (
                 Self::Homing,
                 Event::Arm
                 | Event::Home
                 | Event::Begin
-                | Event::Finish
                 | Event::Rest
                 | Event::Clear
                 | Event::Excite
@@ -285,7 +286,7 @@ mod tests {
         [
             //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear Excite Cross
             [A, S, H, N, N, N, S, N, F, S, X, N], // Stopped
-            [N, S, N, S, N, N, S, N, F, N, N, N], // Homing
+            [N, S, N, S, N, A, S, N, F, N, N, N], // Homing
             [A, S, N, N, R, N, A, N, F, N, N, C], // Armed
             [R, S, N, N, R, A, P, N, F, N, N, N], // Running
             [N, S, N, N, N, N, P, A, F, N, N, N], // Stopping

@@ -243,11 +243,11 @@ impl Session {
         request: Request,
         controller: &mut impl SharedController<D>,
     ) -> Result<Reply<C>, CommandError> {
-        let powers = matches!(request, Request::Arm | Request::Home | Request::Excite(_));
+        let (powers, posture) =
+            controller.lock(|controller| (controller.powers(request), controller.posture(request)));
         if powers && !self.has_settings {
             return Err(CommandError::NoSettings);
         }
-        let posture = controller.lock(|controller| controller.posture(request));
         let stance = posture.map(|posture| posture.stance(&self.in_use, self.in_use.tool()));
         controller
             .lock(|controller| controller.execute(request, stance))

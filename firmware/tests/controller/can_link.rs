@@ -2,7 +2,7 @@
 
 use fivebar_firmware::Settings;
 use fivebar_firmware::drives::can::mit::Ranges;
-use fivebar_firmware::drives::can::{Frame, Frames, Link, Protocol, odrive};
+use fivebar_firmware::drives::can::{Frame, Frames, Link, Protocol, mit, odrive, watchdog};
 use fivebar_firmware::drives::{DriveHealth, DriveStiffness, TorqueSetPoint};
 use fivebar_firmware::settings::CheckedSettings;
 use std::f32::consts::TAU;
@@ -94,12 +94,96 @@ fn a_drive_whose_heartbeat_is_missing_is_silent() {
 }
 
 #[test]
+fn a_late_answer_is_replaced_by_a_shaft_that_turns_on() {
+    let mut link = link(Protocol::Odrive);
+    let (mut moving, mut counted) = ([0; 8], Vec::new());
+    moving[..4].copy_from_slice(&0.25_f32.to_le_bytes());
+    moving[4..].copy_from_slice(&8.0_f32.to_le_bytes());
+    link.receive(&heartbeat(1, 0, odrive::IDLE));
+    link.receive(&Frame::new(1 << 5 | 9, moving));
+    for _ in 0..4 {
+        counted.push(link.sample(false).0[0]);
+    }
+    // 8 turns/s are 0.008 turns in a tick of 1 kHz; then the answer is too old to go on.
+    let count = |turns: f32| (turns * Settings::BENCHTOP.axes[0].encoder_counts as f32).round();
+    let wanted = [0.25, 0.258, 0.258, 0.258].map(|turns| count(turns) as i32);
+    assert_eq!(counted, wanted);
+}
+
+#[test]
+fn the_watchdog_of_a_drive_waits_for_the_ticks_that_may_be_missed_and_no_longer() {
+    // Two of 1 ms may be missed, one is due, and a frame may come early in one tick and late in another.
+    assert_eq!(watchdog(1000.0), 4e-3);
+    assert_eq!(watchdog(500.0), 8e-3);
+}
+
+#[test]
+fn a_clear_takes_the_place_of_commands_and_goes_to_those_who_know_it() {
+    let clears = TorqueSetPoint {
+        clear_errors: true,
+        ..TorqueSetPoint::default()
+    };
+    let mut odrives = link(Protocol::Odrive);
+    for node in NODES {
+        odrives.receive(&heartbeat(node, 1 << 24, odrive::IDLE));
+    }
+    assert_eq!(odrives.sample(false).1.health, [DriveHealth::Error; 2]);
+    let frames = sent(&mut odrives, [false; 2], &clears);
+    assert_eq!(frames[..2], NODES.map(odrive::clear_errors));
+    assert_eq!([frames[0].id, frames[1].id], [0x38, 0x58]);
+    assert_eq!(frames.len(), 4);
+    // Not in error until one tells it again in a frame that cannot be older than the order: after three ticks.
+    for _ in 0..3 {
+        odrives.receive(&heartbeat(2, 1 << 24, odrive::IDLE));
+        assert_eq!(odrives.sample(false).1.health, [DriveHealth::Off; 2]);
+    }
+    odrives.receive(&heartbeat(2, 1 << 24, odrive::IDLE));
+    let health = odrives.sample(false).1.health;
+    assert_eq!(health, [DriveHealth::Off, DriveHealth::Error]);
+
+    let mut pair = link(MIT);
+    pair.receive(&reply(1, 0xD));
+    pair.receive(&reply(2, 0));
+    let frames = sent(&mut pair, [false; 2], &clears);
+    // To drive 2, which tells no state, the frame would be a command of the greatest values.
+    assert_eq!(frames[0], mit::clear_error(1));
+    assert_eq!(frames[1], mit::enable(2, false));
+}
+
+#[test]
+fn while_the_torque_is_limited_an_mit_type_drive_gets_no_spring_that_could_exceed_it() {
+    // A step of 1250 rad over 65536 positions times the spring would be more than any limit of homing.
+    let wide = Protocol::Mit(Ranges {
+        position: 1250.0,
+        velocity: 30.0,
+        torque: 10.0,
+    });
+    let mut link = link(wide);
+    let mut gains = |is_stiff: bool| {
+        let set_point = TorqueSetPoint {
+            is_stiff,
+            ..TorqueSetPoint::default()
+        };
+        let data = sent(&mut link, [true; 2], &set_point)[0]
+            .data
+            .expect("data");
+        let stiffness = u16::from(data[3] & 0xF) << 8 | u16::from(data[4]);
+        let damping = u16::from(data[5]) << 4 | u16::from(data[6] >> 4);
+        [stiffness, damping]
+    };
+    gains(false);
+    assert_eq!(gains(false), [0; 2]);
+    assert!(gains(true).iter().all(|&gain| gain > 0));
+}
+
+#[test]
 fn odrives_are_started_in_order_and_stopped_until_they_tell_it() {
     let mut link = link(Protocol::Odrive);
     let set_point = TorqueSetPoint {
         torque: [0.3, 0.3],
         ahead: [0.02, 0.02],
         velocity: [2.0, 2.0],
+        ..TorqueSetPoint::default()
     };
     for node in NODES {
         link.receive(&estimates(node, 0.5));

@@ -27,6 +27,7 @@ mod left_behind;
 mod lost_counts;
 mod motor_check;
 mod moving;
+mod place_without_power;
 mod step_drives;
 mod stopping;
 mod tool;

@@ -4,13 +4,12 @@ use fivebar_firmware::controller::{
     ArmController, Excitation, Excited, Request, RequestError, Status,
 };
 use fivebar_firmware::drives::{
-    DriveHealth, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,
+    DriveHealth, OLDEST_ANSWER, TorqueDrives, TorqueSample, TorqueSetPoint,
 };
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{ArmCommand, ArmSample, Settings};
 
-/// [`OLDEST_SAMPLE`] at 10 kHz [ticks].
-const OLDEST: u16 = (OLDEST_SAMPLE * 1e4) as u16;
+const OLDEST: u16 = OLDEST_ANSWER;
 
 /// An arm that stands, whose drives answered so many ticks ago.
 fn standing(counts: [i32; 2], age: [u16; 2]) -> ArmSample<TorqueSample> {
@@ -73,6 +72,7 @@ fn the_drives_hold_an_arm_that_is_armed_about_its_place_and_none_that_homes() {
         assert!((ahead + counts * per_count).abs() < 1e-6, "{ahead} rad");
     }
     assert_eq!(command.drives.velocity, [0.0; 2]);
+    assert!(command.drives.is_stiff);
 
     let settings = Settings::BENCHTOP.check().expect("valid settings");
     let mut homing = ArmController::<TorqueDrives>::new(&settings);
@@ -80,7 +80,9 @@ fn the_drives_hold_an_arm_that_is_armed_about_its_place_and_none_that_homes() {
     homing.request(Request::Home).expect("accepted");
     let mut pushed = false;
     for _ in 0..700 {
-        let TorqueSetPoint { torque, ahead, .. } = homing.tick(&standing([0; 2], [0; 2])).drives;
+        let set_point = homing.tick(&standing([0; 2], [0; 2])).drives;
+        let TorqueSetPoint { torque, ahead, .. } = set_point;
+        assert!(!set_point.is_stiff);
         pushed |= torque[0].abs() > 1e-3;
         assert_eq!(ahead, [0.0; 2]);
     }
@@ -142,6 +144,26 @@ fn a_drive_may_be_off_while_it_wakes_up_but_neither_silent_nor_in_error() {
         }
         assert_eq!(controller.status().fault, fault, "{health:?}");
     }
+}
+
+#[test]
+fn only_a_clear_of_the_host_clears_the_errors_of_drives_and_once() {
+    let mut controller = pushing();
+    let mut broken = standing([20, -20], [0; 2]);
+    broken.drives.health[0] = DriveHealth::Error;
+    let fine = standing([20, -20], [0; 2]);
+    let clears = |controller: &mut ArmController<TorqueDrives>, ticks| {
+        let ticks = (0..ticks).map(|_| controller.tick(&fine).drives.clear_errors);
+        ticks.collect::<Vec<_>>()
+    };
+    assert!(!controller.tick(&broken).drives.clear_errors);
+    assert_eq!(controller.status().fault, Some(Fault::DriveError));
+    assert_eq!(clears(&mut controller, 3), [false; 3]);
+    controller.request(Request::ClearFault).expect("accepted");
+    // Also where it arms at once.
+    controller.request(Request::Arm).expect("accepted");
+    assert_eq!(clears(&mut controller, 3), [true, false, false]);
+    assert_eq!(controller.status().fault, None);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! A move is either followed completely, or refused with the reason and the point.
 
-use crate::rig::{Rig, settings};
+use crate::rig::{Rig, settings, with};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::planner::MoveErrorKind;
@@ -157,6 +157,36 @@ fn ticks_between_the_segments_of_a_move_raise_no_fault() {
         }
         assert!(rig.planner.is_empty() && rig.controller.state() == State::Armed);
         assert!((rig.bench.tool()[0] - f64::from(x - 0.01)).abs() < 5e-5);
+    }
+}
+
+/// At slow ticks the controller wants more path before it begins than a planner in time hands it out.
+#[test]
+fn a_move_begins_whatever_the_length_of_its_parts_and_the_rate_of_the_ticks() {
+    for tick_rate in [500.0, 1e3, 2e3, 1e4] {
+        for thousandths in 20..1000 {
+            let mut rig = Rig::armed(&with(|settings| {
+                let control = &mut settings.control;
+                let slower = tick_rate / control.tick_rate;
+                for rate in [
+                    &mut control.bandwidth,
+                    &mut control.integral_rate,
+                    &mut control.observer_bandwidth,
+                    &mut control.current_bandwidth,
+                    &mut control.tick_rate,
+                ] {
+                    *rate *= slower;
+                }
+            }));
+            let speed = thousandths as f32 * 1e-3;
+            let to = [2.0, 1.0];
+            rig.push(1, MoveKind::Joint { to, speed }).unwrap();
+            let begun = (0..50).any(|_| {
+                rig.tick();
+                rig.controller.state() == State::Running
+            });
+            assert!(begun, "at {speed} of the speed and {tick_rate} Hz");
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::rig::{Rig, START, settings, with};
 use fivebar_firmware::planner::{LONGEST, MoveError, MoveErrorKind, Planner};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{Settings, ToolOutputSettings};
-use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
+use fivebar_firmware::{FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
 
 /// A point that the tool can reach [m].
 const FROM: [f32; 2] = [0.04, 0.2];
@@ -229,6 +229,108 @@ fn moves_one_behind_the_other_are_checked_from_where_the_one_before_ends() {
         Ok(())
     );
     assert!(planner.check_all(FROM, &[arc]).is_err());
+}
+
+/// Both cranks of this arm turn with the tool about the base, and their limits are nearly two turns apart.
+#[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
+fn a_path_that_winds_a_joint_out_of_limits_wider_than_a_turn_is_refused() {
+    let settings = with(|s| {
+        s.lengths = [0.1, 0.16, 0.16, 0.1, 0.02];
+        for axis in &mut s.axes {
+            axis.angle_limits = [-6.2, 6.2];
+        }
+    });
+    let mut planner = Planner::new(&settings.check().unwrap());
+    let from = [0.01, 0.18];
+    let circle = |tag, clockwise| Move {
+        tag,
+        tool: FULL_TOOL,
+        kind: MoveKind::Arc {
+            to: from,
+            center: [0.01, 0.0],
+            clockwise,
+            feed: 0.1,
+        },
+    };
+    let half = |tag, to, clockwise| Move {
+        kind: MoveKind::Arc {
+            to,
+            center: [0.01, 0.0],
+            clockwise,
+            feed: 0.1,
+        },
+        ..circle(tag, clockwise)
+    };
+    // The circle clockwise, in pieces of less than 64 ms.
+    let timed = |tag| {
+        let (pieces, length) = (60_u8, core::f32::consts::TAU * 0.18);
+        let piece = length / f32::from(pieces);
+        let moves = (0..pieces).map(move |number| Move {
+            kind: MoveKind::Timed(TimedMove {
+                curve: TimedCurve::Arc {
+                    start: from,
+                    tangent: [1.0, 0.0],
+                    curvature: -1.0 / 0.18,
+                },
+                law: [f32::from(number) * piece, 0.3, 0.0, 0.0],
+                duration: piece / 0.3,
+            }),
+            ..circle(tag, true)
+        });
+        moves.collect::<Vec<_>>()
+    };
+    let turn = core::f32::consts::TAU;
+    let pose = Planner::new(&settings.check().unwrap())
+        .workspace()
+        .tool
+        .inverse(from.into(), settings.working_mode());
+    let [theta1, _, _, theta4] = pose.unwrap().angles();
+    // So slow that 0.05 rad take half a day, and a turn more too long.
+    let joint_move = |tag, by: f32| Move {
+        kind: MoveKind::Joint {
+            to: [theta1 + by, theta4 + by],
+            speed: 0.1 / (LONGEST * settings.axes[0].max_speed),
+        },
+        ..circle(tag, true)
+    };
+    let refused_at = |planner: &mut Planner, joints, moves: &[Move]| {
+        let refused = planner.check_all_from(from, joints, moves).err()?;
+        Some((refused.tag, refused.kind))
+    };
+    let joints = Some([theta1, theta4]);
+    let before = Some([theta1 - turn, theta4 - turn]);
+    let of_joint = |tag, joint| Some((tag, MoveErrorKind::JointLimit(joint)));
+    let there = [0.01, -0.18];
+    for (joints, moves, refused) in [
+        // A turn clockwise is within the limits; the second one is not, wherever the moves part it.
+        (joints, [circle(1, true), circle(2, false)], None),
+        (joints, [circle(1, true), circle(2, true)], of_joint(2, 4)),
+        (None, [circle(1, true), circle(2, true)], of_joint(2, 4)),
+        (joints, [circle(1, false), circle(2, false)], of_joint(1, 1)),
+        // The same place of the tool, a turn before.
+        (before, [circle(1, false), circle(2, true)], None),
+        (before, [circle(1, true), circle(2, true)], of_joint(1, 4)),
+        (joints, [half(1, there, true), half(2, from, true)], None),
+        (
+            joints,
+            [circle(1, true), half(2, there, true)],
+            of_joint(2, 4),
+        ),
+        // A joint goes on in the turn in which the path has left it.
+        (joints, [circle(1, true), joint_move(2, 0.05 - turn)], None),
+        (before, [circle(1, false), joint_move(2, 0.05)], None),
+    ] {
+        assert_eq!(refused_at(&mut planner, joints, &moves), refused);
+    }
+    for (moves, refused) in [
+        ([vec![circle(1, true)], timed(2)], of_joint(2, 4)),
+        ([timed(1), vec![circle(2, true)]], of_joint(2, 4)),
+        ([timed(1), vec![circle(2, false)]], None),
+    ] {
+        let found = refused_at(&mut planner, joints, &moves.concat());
+        assert_eq!(found, refused);
+    }
 }
 
 #[test]

@@ -33,10 +33,8 @@ impl Classes {
         let refuse = |reason: String| FileError::new(&shown, reason);
         let text = text_file::read_text(path, text_file::LARGEST_TOML)
             .map_err(|error| FileError::new(&shown, error))?;
-        let source = Source {
-            file: &shown.to_string(),
-            text: &text,
-        };
+        let name = shown.to_string();
+        let source = Source::new(&name, &text);
         let classes: Self = source.parse()?;
         let is_valid = |entry: &ClassEntry| {
             entry.sd >= 0.0 && entry.sd.is_finite() && entry.cost >= 0.0 && entry.cost.is_finite()

@@ -1,7 +1,8 @@
 //! Specifications of `fivebar design`: what is wanted of an arm, in TOML.
 
 use super::job::{Action, Job, Placement, read as read_job};
-use super::source::{FileError, Key, Refusals, Source};
+use super::refusal::{Key, Refusal, Refusals};
+use super::source::{FileError, Source};
 use super::text_file::{LARGEST_TOML, read_text};
 use fivebar_design::synthesis::{Area, Measure, Objective, Specification, Tolerance};
 use serde::Deserialize;
@@ -144,25 +145,33 @@ pub fn parse_with(
     text: &str,
     read_drawing: &dyn Fn(&str) -> Result<String, String>,
 ) -> Result<Specification, FileError> {
-    let source = Source { file, text };
-    let spec: SpecFile = source.parse()?;
+    let source = Source::new(file, text);
+    let spec = source.parse()?;
+    made(&spec, read_drawing).map_err(|refusal| source.error(refusal))
+}
+
+/// The specification of a file with these values.
+fn made(
+    spec: &SpecFile,
+    read_drawing: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<Specification, Refusal> {
     let mut refusals = Refusals::default();
     let [low, high] = spec.base;
     if !(0.0 <= low && low <= high && high <= LONGEST) {
         let reason =
             format!("must be [least, greatest], 0 to {LONGEST:?} m, not [{low:?}, {high:?}]");
-        refusals.add(source.refuse(Key::Top("base"), reason));
+        refusals.add(Key::Top("base"), reason);
     }
     let is_sought = matches!(spec.objective.maximise, Some(Maximise::Size));
     if let Some(sum) = spec.link_sum {
-        refusals.check(length(&source, Key::Top("link_sum"), sum));
+        refusals.note(length(Key::Top("link_sum"), sum));
         if sum <= 0.5 * low {
             let reason = format!("must be more than half the least `base`, not {sum:?}");
-            refusals.add(source.refuse(Key::Top("link_sum"), reason));
+            refusals.add(Key::Top("link_sum"), reason);
         }
     } else if spec.objective.maximise.is_some() {
         let reason = "is missing: it limits the links of what is to be the greatest; give metres";
-        refusals.add(source.refuse(Key::Top("link_sum"), reason));
+        refusals.add(Key::Top("link_sum"), reason);
     }
     let share = |key, value: f64, least: bool| {
         if (value > 0.0 || (value == 0.0 && !least)) && value < 1.0 {
@@ -170,28 +179,28 @@ pub fn parse_with(
         }
         let from = if least { "more than 0" } else { "at least 0" };
         let reason = format!("must be {from} and less than 1, not {value:?}");
-        Err(source.refuse(Key::In("require", key), reason))
+        Err(Key::In("require", key).refused(reason))
     };
-    refusals.check(share("dexterity", spec.require.dexterity, true));
-    refusals.check(share("sine", spec.require.sine, false));
+    refusals.note(share("dexterity", spec.require.dexterity, true));
+    refusals.note(share("sine", spec.require.sine, false));
     let front = spec.objective.front;
     if !(1..=MOST_DESIGNS).contains(&front) {
         let reason = format!("must be 1 to {MOST_DESIGNS} designs, not {front}");
-        refusals.add(source.refuse(Key::In("objective", "front"), reason));
+        refusals.add(Key::In("objective", "front"), reason);
     }
     let starts = spec.objective.starts;
     if !(1..=MOST_STARTS).contains(&starts) {
         let reason = format!("must be 1 to {MOST_STARTS} searches, not {starts}");
-        refusals.add(source.refuse(Key::In("objective", "starts"), reason));
+        refusals.add(Key::In("objective", "starts"), reason);
     }
-    let tolerance = refusals.noted(tolerance(&source, &spec));
-    let area = refusals.noted(area(&source, &spec.area, is_sought, read_drawing));
+    let tolerance = refusals.noted(tolerance(spec));
+    let area = refusals.noted(area(&spec.area, is_sought, read_drawing));
     let (objective, other) = (&spec.objective.maximise, &spec.objective.minimise);
     let one_objective = objective.is_some() != other.is_some();
     if !one_objective {
         let reason = "must be given, or `minimise` in place of it: \"size\", \"dexterity\", \"speed\" or \
                       \"stiffness\", or the least \"link_sum\", \"torque\" or \"error\"";
-        refusals.add(source.refuse(Key::In("objective", "maximise"), reason));
+        refusals.add(Key::In("objective", "maximise"), reason);
     }
     refusals.done()?;
     let (area, size) = area?;
@@ -219,12 +228,12 @@ pub fn parse_with(
 }
 
 /// The stated errors; none are 0.
-fn tolerance(source: &Source<'_>, spec: &SpecFile) -> Result<Tolerance, FileError> {
+fn tolerance(spec: &SpecFile) -> Result<Tolerance, Refusal> {
     let Some(ToleranceFile { length, angle }) = spec.tolerance else {
         if matches!(spec.objective.minimise, Some(Minimise::Error)) {
             let reason = "is \"error\", which needs [tolerance] with the standard deviations `length`, in metres, and \
                           `angle`, in radians";
-            return Err(source.refuse(Key::In("objective", "minimise"), reason));
+            return Err(Key::In("objective", "minimise").refused(reason));
         }
         return Ok(Tolerance::default());
     };
@@ -232,23 +241,22 @@ fn tolerance(source: &Source<'_>, spec: &SpecFile) -> Result<Tolerance, FileErro
         if !(0.0..=most).contains(&value) {
             let unit = if key == "angle" { "rad" } else { "m" };
             let reason = format!("must be 0 to {most:?} {unit}, not {value:?}");
-            return Err(source.refuse(Key::In("tolerance", key), reason));
+            return Err(Key::In("tolerance", key).refused(reason));
         }
     }
     if length + angle == 0.0 {
         let reason = "must not be 0 together with `angle`: give the error of at least one";
-        return Err(source.refuse(Key::In("tolerance", "length"), reason));
+        return Err(Key::In("tolerance", "length").refused(reason));
     }
     Ok(Tolerance { length, angle })
 }
 
 /// The area and its size [m], which means nothing where the size is sought.
 fn area(
-    source: &Source<'_>,
     area: &AreaFile,
     is_sought: bool,
     read_drawing: &dyn Fn(&str) -> Result<String, String>,
-) -> Result<(Area, f64), FileError> {
+) -> Result<(Area, f64), Refusal> {
     let key = |name| Key::In("area", name);
     let given = [
         ("width", area.width.is_some()),
@@ -271,13 +279,13 @@ fn area(
                 "does not belong to this `kind`, which has `{}`",
                 own.join("`, `")
             );
-            return Err(source.refuse(key(name), reason));
+            return Err(key(name).refused(reason));
         }
     }
     let needed = |name, value: Option<f64>| match value {
-        Some(value) => length(source, key(name), value),
+        Some(value) => length(key(name), value),
         None if is_sought => Ok(1.0),
-        None => Err(source.refuse(key(name), "is missing: give metres")),
+        None => Err(key(name).refused("is missing: give metres")),
     };
     match area.kind {
         Kind::Annulus => Ok((Area::Annulus, needed("width", area.width)?)),
@@ -286,18 +294,18 @@ fn area(
             let (aspect, width) = match (area.aspect, area.width, area.height) {
                 (Some(aspect), width, None) => (aspect, needed("width", width)?),
                 (None, Some(width), Some(height)) => {
-                    let width = length(source, key("width"), width)?;
-                    (width / length(source, key("height"), height)?, width)
+                    let width = length(key("width"), width)?;
+                    (width / length(key("height"), height)?, width)
                 }
                 _ => {
                     let reason = "must be given with `height`; or give `aspect`, width by height, where \
                                   the size is sought";
-                    return Err(source.refuse(key("width"), reason));
+                    return Err(key("width").refused(reason));
                 }
             };
             if !(1e-3..=1e3).contains(&aspect) {
                 let reason = format!("is width by height, 0.001 to 1000, not {aspect:?}");
-                return Err(source.refuse(key("aspect"), reason));
+                return Err(key("aspect").refused(reason));
             }
             Ok((Area::Rectangle { aspect }, width))
         }
@@ -305,20 +313,18 @@ fn area(
             let points = area.points.as_deref().unwrap_or_default();
             let paths: Vec<Vec<[f64; 2]>> = points.iter().map(|&point| vec![point]).collect();
             let reason = "must be two unlike points or more, [[x, y], …] in metres";
-            path_area(&paths).ok_or_else(|| source.refuse(key("points"), reason))
+            path_area(&paths).ok_or_else(|| key("points").refused(reason))
         }
         Kind::Drawing => {
             let missing = "is missing: name a G-code or SVG file beside this one";
             let name = area.file.as_ref();
-            let name = name.ok_or_else(|| source.refuse(key("file"), missing))?;
+            let name = name.ok_or_else(|| key("file").refused(missing))?;
             let text = read_drawing(name);
-            let text =
-                text.map_err(|error| source.refuse(key("file"), format!("`{name}`: {error}")))?;
+            let text = text.map_err(|error| key("file").refused(format!("`{name}`: {error}")))?;
             let job = Job::parse(&text, &AS_DRAWN);
-            let job =
-                job.map_err(|error| source.refuse(key("file"), format!("`{name}`: {error}")))?;
+            let job = job.map_err(|error| key("file").refused(format!("`{name}`: {error}")))?;
             let reason = format!("`{name}` has no path");
-            path_area(&[path(&job)]).ok_or_else(|| source.refuse(key("file"), reason))
+            path_area(&[path(&job)]).ok_or_else(|| key("file").refused(reason))
         }
     }
 }
@@ -377,11 +383,11 @@ fn path(job: &Job) -> Vec<[f64; 2]> {
     path
 }
 
-fn length(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+fn length(key: Key, value: f64) -> Result<f64, Refusal> {
     if value > 0.0 && value <= LONGEST {
         Ok(value)
     } else {
         let reason = format!("must be more than 0 and at most {LONGEST:?} m, not {value:?}");
-        Err(source.refuse(key, reason))
+        Err(key.refused(reason))
     }
 }

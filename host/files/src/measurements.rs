@@ -2,11 +2,16 @@
 //! their names; others are ignored.
 
 use super::source::FileError;
-use super::text_file::read_bytes;
+use super::text_file::open;
+use crate::budget::Budget;
+use std::cell::Cell;
+use std::io::{self, Read};
 use std::path::Path;
 
-/// Greatest size of a table [bytes]: ten minutes of a log at 10 kHz.
-const LARGEST: u64 = 1 << 30;
+/// Greatest size of a table [bytes]: ten minutes of a log of eight columns at 10 kHz.
+const LARGEST: u64 = 1 << 29;
+/// Longest row [bytes], with line ends within quotation marks: the reader keeps one in memory.
+const LONGEST_ROW: usize = 1 << 20;
 
 /// The rows of a table, each with the values of these columns.
 ///
@@ -18,19 +23,43 @@ pub fn read_columns<const N: usize>(
     columns: [&str; N],
 ) -> Result<Vec<[f64; N]>, FileError> {
     let file = path.display().to_string();
-    let bytes = read_bytes(path, LARGEST).map_err(|error| FileError::new(&file, error))?;
-    parse_columns(&file, &bytes, columns)
+    let stream = open(path, LARGEST).map_err(|error| FileError::new(&file, error))?;
+    parse_columns(&file, stream, columns)
 }
 
-fn parse_columns<const N: usize>(
+/// A stream that ends with an error in a row that is too long.
+struct Rows<'a, R> {
+    stream: R,
+    /// The bytes that were read since the last row was complete.
+    length: &'a Cell<usize>,
+}
+
+impl<R: Read> Read for Rows<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.stream.read(buffer)?;
+        self.length.set(self.length.get() + count);
+        if self.length.get() > LONGEST_ROW {
+            let reason = format!("a row has more than {LONGEST_ROW} bytes");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, reason));
+        }
+        Ok(count)
+    }
+}
+
+/// The rows of a table that is read piece by piece; errors name the file.
+///
+/// # Errors
+/// As [`read_columns`].
+pub fn parse_columns<const N: usize>(
     file: &str,
-    bytes: &[u8],
+    stream: impl Read,
     columns: [&str; N],
 ) -> Result<Vec<[f64; N]>, FileError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(bytes);
+    let length = Cell::new(0);
+    let mut reader = csv::Reader::from_reader(Rows {
+        stream,
+        length: &length,
+    });
     let refuse = |line: Option<u64>, reason: String| FileError {
         line: line.map(|line| line as usize),
         ..FileError::new(file, reason)
@@ -50,10 +79,17 @@ fn parse_columns<const N: usize>(
         )
     };
     let header = reader.byte_headers().map_err(broken)?.clone();
+    let name_of = |index: usize| {
+        let name = &header[index];
+        // The byte order mark of UTF-8.
+        name.strip_prefix(b"\xef\xbb\xbf")
+            .unwrap_or(name)
+            .trim_ascii()
+    };
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(columns) {
         let found: Vec<usize> = (0..header.len())
-            .filter(|&index| &header[index] == name.as_bytes())
+            .filter(|&index| name_of(index) == name.as_bytes())
             .collect();
         *place = match found[..] {
             [index] => index,
@@ -66,11 +102,16 @@ fn parse_columns<const N: usize>(
         };
     }
     let mut rows = Vec::new();
+    let mut budget = Budget::values();
     let mut record = csv::ByteRecord::new();
     while reader.read_byte_record(&mut record).map_err(broken)? {
+        length.set(0);
+        budget
+            .take(N)
+            .map_err(|over| refuse(None, over.to_string()))?;
         let mut row = [0.0; N];
         for ((value, &place), name) in row.iter_mut().zip(&places).zip(columns) {
-            let text = String::from_utf8_lossy(&record[place]);
+            let text = String::from_utf8_lossy(record[place].trim_ascii());
             *value = text
                 .parse()
                 .ok()

@@ -6,6 +6,7 @@ use fivebar_design::time_optimal::{FourierSeries, PathPiece, PlanLimits, blend};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::path::Path;
 
 /// What happens where two pieces of a path meet.
@@ -42,8 +43,9 @@ pub struct PathCase {
     pub payload: Option<f64>,
 }
 
-/// The file as written. Keys of results, which a file of reference cases has too, are not read.
+/// The file as written.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CaseFile {
     name: Option<String>,
     robot: Option<String>,
@@ -55,6 +57,13 @@ struct CaseFile {
     corner_tolerance: Option<f64>,
     gravity: Option<[f64; 2]>,
     payload: Option<f64>,
+    // Results, which a list of reference cases has beside each path. They are not used.
+    #[serde(rename = "optimal_time_s")]
+    _optimal_time: Option<IgnoredAny>,
+    #[serde(rename = "cross_checks_s")]
+    _cross_checks: Option<IgnoredAny>,
+    #[serde(rename = "runs")]
+    _runs: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]

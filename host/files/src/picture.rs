@@ -4,6 +4,7 @@
 
 use super::source::FileError;
 use super::text_file::read_bytes;
+use crate::budget::Budget;
 use fivebar_design::photo::Picture;
 use std::io::Cursor;
 use std::path::Path;
@@ -12,9 +13,10 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Greatest size of a file [bytes], and of a picture [pixels]: the largest cameras of phones have 2·10⁸.
-const LARGEST: u64 = 256 << 20;
-const MOST_PIXELS: usize = 250_000_000;
+/// Greatest size of a file [bytes].
+const LARGEST: u64 = 128 << 20;
+/// Most scans of a progressive JPEG: cameras write ten.
+const MOST_SCANS: usize = 20;
 /// Longest side, and least shorter side [pixels]: four marks and a drawing need more.
 const LONGEST: usize = 40_000;
 const SHORTEST: usize = 300;
@@ -27,12 +29,20 @@ pub fn read_picture(path: &Path) -> Result<Picture, FileError> {
     let file = path.display().to_string();
     let refuse = |reason: String| FileError::new(&file, reason);
     let bytes = read_bytes(path, LARGEST).map_err(|error| refuse(error.to_string()))?;
-    let decoded = match bytes[..] {
-        [0x89, b'P', b'N', b'G', ..] => png(&bytes),
-        [0xff, 0xd8, 0xff, ..] => jpeg(&bytes),
-        _ => Err(other_format(&bytes)),
+    parse_picture(&file, &bytes)
+}
+
+/// The picture of a file's bytes; errors name the file.
+///
+/// # Errors
+/// As [`read_picture`].
+pub fn parse_picture(file: &str, bytes: &[u8]) -> Result<Picture, FileError> {
+    let decoded = match *bytes {
+        [0x89, b'P', b'N', b'G', ..] => png(bytes),
+        [0xff, 0xd8, 0xff, ..] => jpeg(bytes),
+        _ => Err(other_format(bytes)),
     };
-    decoded.map_err(refuse)
+    decoded.map_err(|reason| FileError::new(file, reason))
 }
 
 fn png(bytes: &[u8]) -> Result<Picture, String> {
@@ -53,7 +63,8 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
         .set_max_width(LONGEST)
-        .set_max_height(LONGEST);
+        .set_max_height(LONGEST)
+        .jpeg_set_max_scans(MOST_SCANS);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     let broken = |error| format!("the JPEG is broken or of a rare kind: {error}; save it as PNG");
     decoder
@@ -75,12 +86,15 @@ fn sized(width: usize, height: usize) -> Result<[usize; 2], String> {
             "{size}, and {SHORTEST} are needed along each side: take the camera's full size"
         ));
     }
-    if width.max(height) > LONGEST || width * height > MOST_PIXELS {
+    if width.max(height) > LONGEST {
         return Err(format!(
-            "{size}: at most {LONGEST} along a side and {} million in all; scan with fewer dots per inch",
-            MOST_PIXELS / 1_000_000
+            "{size}: at most {LONGEST} along a side; scan with fewer dots per inch"
         ));
     }
+    let mut pixels = Budget::pixels();
+    pixels
+        .take(width * height)
+        .map_err(|over| format!("{size}: {over}"))?;
     Ok([width, height])
 }
 

@@ -1,9 +1,12 @@
 //! Errors of TOML files, with file, line, key and reason.
 
+use super::refusal::{Key, Refusal};
 use super::similar::did_you_mean;
 use super::text_file::LARGEST_TOML;
+use std::cell::OnceCell;
 use std::fmt;
 use std::ops::Range;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Why a file is refused.
@@ -36,100 +39,33 @@ impl FileError {
     }
 }
 
-/// All that is wrong with a file, so that its author is told at once.
-#[derive(Default)]
-pub struct Refusals(Vec<FileError>);
-
-impl Refusals {
-    /// Notes what is refused. The result is returned as it is, for the value or to give up later.
-    pub fn noted<T>(&mut self, result: Result<T, FileError>) -> Result<T, FileError> {
-        if let Err(error) = &result {
-            self.0.push(error.clone());
-        }
-        result
-    }
-
-    /// Notes what is refused.
-    pub fn check<T>(&mut self, result: Result<T, FileError>) {
-        self.0.extend(result.err());
-    }
-
-    /// Adds one.
-    pub fn add(&mut self, error: FileError) {
-        self.0.push(error);
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    /// Whether the value of this key is refused already.
-    pub fn has(&self, key: Key) -> bool {
-        let key = key.to_string();
-        self.0.iter().any(|error| error.reason.starts_with(&key))
-    }
-
-    /// Whether a value of the n-th `[[section]]`, from 0, is refused already.
-    pub fn has_of(&self, section: &str, index: usize) -> bool {
-        let section = format!(" of [[{section}]] {} ", index + 1);
-        self.0.iter().any(|error| error.reason.contains(&section))
-    }
-
-    /// # Errors
-    /// The first, with all others.
-    pub fn done(self) -> Result<(), FileError> {
-        let mut errors = self.0.into_iter();
-        match errors.next() {
-            None => Ok(()),
-            Some(first) => Err(FileError {
-                more: errors.collect(),
-                ..first
-            }),
-        }
-    }
-}
-
-/// The key of a value in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Key {
-    /// A key of the file itself.
-    Top(&'static str),
-    /// A key of `[section]`.
-    In(&'static str, &'static str),
-    /// A key of the n-th `[[section]]`, from 0.
-    Of(&'static str, usize, &'static str),
-}
-
-impl Key {
-    /// Its name within its section.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Top(name) | Self::In(_, name) | Self::Of(_, _, name) => name,
-        }
-    }
-}
-
-impl fmt::Display for Key {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Top(key) => write!(f, "`{key}`"),
-            Self::In(section, key) => write!(f, "`{key}` of [{section}]"),
-            Self::Of(section, index, key) => write!(f, "`{key}` of [[{section}]] {}", index + 1),
-        }
-    }
-}
-
 /// The name and text of a file, for errors with their line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Source<'a> {
     /// Its name in messages.
     pub file: &'a str,
     /// What it holds.
     pub text: &'a str,
+    /// The values with their places; none of a text that is no TOML. A check of a robot asks for some hundred places, so
+    /// the text is read once for all.
+    document: OnceCell<Option<DeTable<'a>>>,
 }
 
 impl<'a> Source<'a> {
+    /// The text of a file called `file`.
+    pub fn new(file: &'a str, text: &'a str) -> Self {
+        Self {
+            file,
+            text,
+            document: OnceCell::new(),
+        }
+    }
+
+    fn document(&self) -> Option<&DeTable<'a>> {
+        let read = || DeTable::parse(self.text).ok().map(Spanned::into_inner);
+        self.document.get_or_init(read).as_ref()
+    }
+
     /// Reads the file's keys into `T`.
     pub fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
         let size = self.text.len() as u64;
@@ -201,20 +137,25 @@ impl<'a> Source<'a> {
     /// The line of the value that an error names at its end: "…in `mismatch.stiffness`".
     fn line_of_path(&self, reason: &str) -> Option<usize> {
         let (_, path) = reason.trim_end().strip_suffix('`')?.rsplit_once('`')?;
-        let document = DeTable::parse(self.text).ok()?;
         let mut keys = path.split('.');
-        let first = document.get_ref().get(keys.next()?)?;
+        let first = self.document()?.get(keys.next()?)?;
         let value = keys.try_fold(first, |value, key| value.get_ref().as_table()?.get(key))?;
         Some(self.line(value.span().start))
     }
 
     /// The error for a value that can be read but is not valid.
     pub fn refuse(&self, key: Key, reason: impl fmt::Display) -> FileError {
+        self.error(key.refused(reason))
+    }
+
+    /// The error for what is refused, with its line.
+    pub fn error(&self, refusal: Refusal) -> FileError {
+        let more = refusal.more.into_iter();
         FileError {
             file: self.file.into(),
-            line: self.line_of(key),
-            reason: format!("{key} {reason}"),
-            more: Vec::new(),
+            line: self.line_of(refusal.line_of.map_or(refusal.key, |key| *key)),
+            reason: refusal.reason,
+            more: more.map(|other| self.error(other)).collect(),
         }
     }
 
@@ -254,8 +195,7 @@ impl<'a> Source<'a> {
 
     /// The bytes of a key's value, and true; without a value, those of its section, and false.
     fn place_of(&self, key: Key) -> Option<(Range<usize>, bool)> {
-        let document = DeTable::parse(self.text).ok()?;
-        let document = document.get_ref();
+        let document = self.document()?;
         let (section, name) = match key {
             Key::Top(name) => return Some((document.get(name)?.span(), true)),
             Key::In(section, name) => (document.get(section)?, name),
@@ -273,8 +213,7 @@ impl<'a> Source<'a> {
 
     /// The key whose value lies at `offset`.
     fn key_at(&self, offset: usize) -> Option<String> {
-        let document = DeTable::parse(self.text).ok()?;
-        key_in(document.get_ref(), offset).map(str::to_owned)
+        key_in(self.document()?, offset).map(str::to_owned)
     }
 
     fn line(&self, offset: usize) -> usize {

@@ -20,13 +20,49 @@ pub fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     if path == Path::new(STANDARD_INPUT) {
         return read_standard_input(limit);
     }
+    read_stream(open_file(path, limit)?, limit)
+}
+
+/// Opens a file of at most `limit` bytes, or the standard input if the path is `-`, to read it piece by piece.
+/// A device or a FIFO ends at the limit with an error.
+pub fn open(path: &Path, limit: u64) -> io::Result<Box<dyn Read>> {
+    if path == Path::new(STANDARD_INPUT) {
+        return Ok(Box::new(io::Cursor::new(read_standard_input(limit)?)));
+    }
+    let left = limit;
+    let stream = open_file(path, limit)?;
+    Ok(Box::new(Limited {
+        stream,
+        limit,
+        left,
+    }))
+}
+
+fn open_file(path: &Path, limit: u64) -> io::Result<File> {
     let file = File::open(path)?;
     // Of a device or a FIFO, the size is 0.
     let size = file.metadata()?.len();
     if size > limit {
         return Err(too_large(format_args!("it has {size} bytes"), limit));
     }
-    read_stream(file, limit)
+    Ok(file)
+}
+
+/// A stream that must end within a limit.
+struct Limited {
+    stream: File,
+    limit: u64,
+    left: u64,
+}
+
+impl Read for Limited {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.stream.read(buffer)?;
+        let left = self.left.checked_sub(count as u64);
+        self.left =
+            left.ok_or_else(|| too_large(format_args!("it goes on after that"), self.limit))?;
+        Ok(count)
+    }
 }
 
 /// Reads the standard input to its end. A command may read its files more than once, so the bytes are kept.

@@ -4,6 +4,7 @@ pub mod bridge;
 pub mod cli;
 mod commission;
 pub mod doctor;
+mod job_process;
 pub mod senders;
 pub mod serve;
 #[cfg(test)]

@@ -2,11 +2,9 @@
 //! not depend on how busy the machine is.
 
 use fivebar_files::robot::Robot;
-use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Request;
-use fivebar_sim::controller::{Connection, Session};
-use fivebar_sim::link::{Client, Loopback};
-use fivebar_sim::simulation::Simulate as _;
+use fivebar_sim::clock::Clock;
+use fivebar_sim::controller::{ControllerSource, Session, open};
 
 /// Rounds of 10 ms within which whatever a test waits for must have come.
 pub(crate) const ROUNDS: u32 = 3000;
@@ -17,18 +15,10 @@ pub(crate) fn robot() -> Robot {
 
 /// A session with the benchtop arm, not homed, its bridges off.
 pub(crate) fn session() -> Session {
-    let scenario = Scenario::new("test", robot(), "test", String::new());
-    let mut plant = scenario.plant().unwrap();
-    let period = 1.0 / robot().control.tick_rate;
-    let arm = move |command: &_| {
-        plant.step(command, period);
-        plant.sense()
-    };
-    let settings = robot().settings().unwrap();
-    let line = Loopback::driving(&settings, Box::new(arm)).unwrap();
-    let line: Box<dyn Connection> = Box::new(line);
-    let (client, _) = Client::open(line).unwrap();
-    Session::over(client, settings.check().unwrap()).unwrap()
+    let clock = Clock::simulated();
+    open(&robot(), ControllerSource::Simulated, &clock)
+        .unwrap()
+        .0
 }
 
 /// The same after homing.

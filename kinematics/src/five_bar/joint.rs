@@ -44,6 +44,7 @@ impl Joint {
     }
 
     /// The position of its value in an array: 0 or 1.
+    #[inline]
     pub const fn index(self) -> usize {
         self as usize
     }

@@ -55,6 +55,12 @@ pub(super) struct CurveBounds<S> {
 }
 
 impl<S: Scalar> CurveBounds<S> {
+    /// The greatest |r″| [1/m].
+    pub(super) fn second(&self) -> S {
+        let bends = self.bends.iter().flatten();
+        bends.fold(S::ZERO, |most, bend| max(most, bend.second))
+    }
+
     /// Those of the whole of a curve.
     pub(super) fn of(curve: &Curve<S>) -> Self {
         match *curve {

@@ -2,7 +2,7 @@
 //! limits follow from what it demands of the joints.
 
 use super::envelope::Envelope;
-use super::error::{ConstraintViolation, PathError};
+use super::error::{ConstraintViolation, PathError, WithJoints};
 use super::motion_limits::JointDemand;
 use super::number::min;
 use super::path_segment::PathSegment;
@@ -15,6 +15,10 @@ impl<S: Scalar> Envelope<S> {
     /// Checks the whole of a path segment against the envelope. Returns its motion limits,
     /// with a speed of at most `speed` [m/s].
     ///
+    /// Between any two of its points, too, an accepted path keeps the margin and the joint limits. Refused for its pose is
+    /// a path that somewhere comes nearer to the margin than 1 % of it, nearer to a joint limit than
+    /// 1 mrad, or so long along them that 20,000 steps do not prove it.
+    ///
     /// # Errors
     /// The first point of the path that violates a constraint, and which constraint.
     pub fn check(
@@ -22,10 +26,27 @@ impl<S: Scalar> Envelope<S> {
         segment: &PathSegment<S>,
         speed: S,
     ) -> Result<MotionLimits<S>, PathError<S>> {
-        self.check_bend(segment, speed).map(|limits| MotionLimits {
+        self.check_from(segment, speed, None)
+            .map(|(limits, _)| limits)
+    }
+
+    /// As [`Self::check`], from the joint angles θ1, θ4 [rad] on: where the joint limits are wider than a turn, they tell in
+    /// which turn each joint begins. Without them it is the first that the limits allow. Returns also the angles at the end.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn check_from(
+        &self,
+        segment: &PathSegment<S>,
+        speed: S,
+        joints: Option<[S; 2]>,
+    ) -> WithJoints<MotionLimits<S>, S> {
+        let (limits, joints) = self.check_bend_from(segment, speed, joints)?;
+        let limits = MotionLimits {
             speed: limits.middle,
             ..limits.halves
-        })
+        };
+        Ok((limits, joints))
     }
 
     /// As [`Self::check`], with a limit of its own for the speed in the middle.
@@ -34,8 +55,20 @@ impl<S: Scalar> Envelope<S> {
         segment: &PathSegment<S>,
         speed: S,
     ) -> Result<BendLimits<S>, PathError<S>> {
+        self.check_bend_from(segment, speed, None)
+            .map(|(limits, _)| limits)
+    }
+
+    fn check_bend_from(
+        &self,
+        segment: &PathSegment<S>,
+        speed: S,
+        joints: Option<[S; 2]>,
+    ) -> WithJoints<BendLimits<S>, S> {
         let mut demand = JointDemand::none();
-        self.verify_path(segment, |point, pose| demand.add_path(self, point, pose))?;
+        let joints = self.verify_path(segment, joints, |point, pose| {
+            demand.add_path(self, point, pose)
+        })?;
         let tool = tool_limits(segment, speed, &self.tool_motion);
         let halves = demand.within(&tool.halves, self).ok_or(PathError {
             fraction: S::ZERO,
@@ -43,7 +76,7 @@ impl<S: Scalar> Envelope<S> {
             violation: ConstraintViolation::Limits,
         })?;
         let middle = min(tool.middle, halves.speed);
-        Ok(BendLimits { middle, halves })
+        Ok((BendLimits { middle, halves }, joints))
     }
 
     /// Checks the whole of a straight joint move against the envelope. Links 2 and 3 must

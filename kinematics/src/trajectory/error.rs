@@ -152,3 +152,6 @@ impl fmt::Display for PushError {
 }
 
 impl core::error::Error for PushError {}
+
+/// What a check gives, with θ1 and θ4 at the end [rad] if the workspace limits them.
+pub(super) type WithJoints<T, S> = Result<(T, Option<[S; 2]>), PathError<S>>;

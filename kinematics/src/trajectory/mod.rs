@@ -16,6 +16,7 @@
 //! [`TrajectorySegment`] is one curve and one cubic, so the tick evaluates polynomials, and
 //! one sine and cosine on an arc.
 
+mod annulus;
 mod blend;
 mod bounds;
 mod check;
@@ -25,6 +26,7 @@ mod envelope;
 mod error;
 mod lookahead;
 mod motion_limits;
+mod near_margin;
 mod number;
 mod path_segment;
 mod profile;

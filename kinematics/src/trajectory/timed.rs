@@ -6,7 +6,7 @@
 
 use super::curve::Curve;
 use super::envelope::Envelope;
-use super::error::{ConstraintViolation, PathError};
+use super::error::{ConstraintViolation, PathError, WithJoints};
 use super::path_segment::PathSegment;
 use super::reference::Reference;
 use super::trajectory_segment::{PathState, TrajectorySegment};
@@ -38,6 +38,21 @@ impl<S: Scalar> Envelope<S> {
         segment: &TrajectorySegment<S>,
         friction: &[FrictionCompensation<S>; 2],
     ) -> Result<Reference<S>, PathError<S>> {
+        self.check_timed_from(segment, friction, None)
+            .map(|(end, _)| end)
+    }
+
+    /// As [`Self::check_timed`], from the joint angles θ1, θ4 [rad] on, as [`Self::check_from`] has them. Returns also those at
+    /// the end.
+    ///
+    /// # Errors
+    /// As [`Self::check_timed`].
+    pub fn check_timed_from(
+        &self,
+        segment: &TrajectorySegment<S>,
+        friction: &[FrictionCompensation<S>; 2],
+        joints: Option<[S; 2]>,
+    ) -> WithJoints<Reference<S>, S> {
         let duration = segment.duration();
         let end = segment.path_state(duration);
         let fail = |violation| PathError {
@@ -51,7 +66,7 @@ impl<S: Scalar> Envelope<S> {
         if duration > S::from_f64(LONGEST) {
             return Err(fail(ConstraintViolation::Limits));
         }
-        self.verify_path(&path, |_, _| Ok(()))?;
+        let joints = self.verify_path(&path, joints, |_, _| Ok(()))?;
         let mut last = segment.path_state(S::ZERO).s;
         let mut time = S::ZERO;
         for _ in 0..PLACES {
@@ -72,7 +87,7 @@ impl<S: Scalar> Envelope<S> {
             last = state.s;
             self.check_reference(&reference, friction).map_err(here)?;
             if time >= duration {
-                return Ok(reference);
+                return Ok((reference, joints));
             }
             time += step(&reference);
             if time > duration {

@@ -12,12 +12,15 @@
 //!
 //! Rates per metre of the tool, least sines taken over the step: with leg 1's links |BT|
 //! and l1, |ṙB| ≤ 1/sin φ1 and |ω2| ≤ 1/(|BT| sin φ1); |ṙC| ≤ 1 + |CT| |ω2|;
-//! |ṙD| ≤ |ṙC|/sin φ4; |BD|˙ ≤ |ṙB| + |ṙD|; |ω1| = |ṙB|/l1, |ω4| = |ṙD|/l4.
+//! |ṙD| ≤ |ṙC|/sin φ4; |BD|˙ ≤ |ṙB| + |ṙD|; |ω1| = |ṙB|/l1, |ω4| = |ṙD|/l4. Where the steps that follow are short, those of
+//! `near_margin` take their place.
 
+use super::annulus::AnnulusConstraint;
 use super::bounds::CurveBounds;
 use super::curve::{Curve, CurvePoint};
 use super::envelope::Envelope;
 use super::error::{ConstraintViolation, PathError};
+use super::near_margin::{MotionBounds, Place, least_sine, longest_step};
 use super::number::{max, min};
 use super::path_segment::PathSegment;
 use crate::five_bar::{Joint, Pose, PoseError, Side, Singularity, Workspace, WorkspaceViolation};
@@ -25,66 +28,14 @@ use crate::{PlanarVector, Scalar};
 use core::f64::consts::{PI, TAU};
 use nalgebra::Vector2;
 
-/// The reserve to the singularity margin, as a share of it. Without it the steps next to the margin
-/// would become infinitely short.
-const RESERVE_SHARE: f64 = 0.01;
-/// The reserve to the joint limits [rad], for the same reason.
+/// The reserve to the joint limits [rad]: without it the steps next to them would become infinitely short.
 const RESERVE_ANGLE: f64 = 0.001;
 
-/// After this number of steps a path is refused as too near a singularity. Only a long path
-/// along the margin, at little more than the reserve from it, needs that many.
+/// After this number of steps a path is refused as too near a singularity.
 const STEPS: u32 = 20_000;
-
-/// The distances between the ends of a dyad at which it is neither straight nor folded.
-#[derive(Clone, Copy)]
-struct AnnulusConstraint<S> {
-    /// a² + b² and 2ab [m²].
-    sum: S,
-    product: S,
-    /// Edges of the margin, and of the margin with its reserve [m].
-    margin: [S; 2],
-    reserve: [S; 2],
-    singularity: Singularity,
-}
-
-impl<S: Scalar> AnnulusConstraint<S> {
-    fn new(a: S, b: S, margin: S, singularity: Singularity) -> Self {
-        let sum = a * a + b * b;
-        let product = S::TWO * a * b;
-        let edges = |margin: S| {
-            let cos = max(S::ONE - margin * margin, S::ZERO).sqrt();
-            [sum - product * cos, sum + product * cos].map(S::sqrt)
-        };
-        Self {
-            sum,
-            product,
-            margin: edges(margin),
-            reserve: edges(margin * S::from_f64(1.0 + RESERVE_SHARE)),
-            singularity,
-        }
-    }
-
-    /// The clearance of `distance` from the edges [m].
-    fn clearance(&self, distance: S) -> Result<S, ConstraintViolation> {
-        let [near, far] = self.margin;
-        let [reserve_near, reserve_far] = self.reserve;
-        if reserve_near <= distance && distance <= reserve_far {
-            Ok(min(distance - near, far - distance))
-        } else {
-            Err(WorkspaceViolation::Margin(self.singularity).into())
-        }
-    }
-
-    /// The least |sin φ| while `distance` changes by no more than `change` [m]: φ is
-    /// monotone in the distance, so it is at one end.
-    fn least_sine(&self, distance: S, change: S) -> S {
-        let sine = |distance: S| {
-            let cos = (distance * distance - self.sum) / self.product;
-            max(S::ONE - cos * cos, S::ZERO).sqrt()
-        };
-        min(sine(distance - change), sine(distance + change))
-    }
-}
+/// A step that is a smaller share of its path is found by second-order bounds, so that such steps do not
+/// use up their number.
+const SHORT: f64 = 1.0 / 4096.0;
 
 /// The angles of the driven joints, tracked over full turns, for the clearance from their
 /// limits.
@@ -145,12 +96,18 @@ impl<S: Scalar> Envelope<S> {
     /// Steps along a path segment from its start to its end, calls `visit` at every step and
     /// proves that the whole segment is within the workspace. No step changes the sine of a
     /// dyad's angle by more than about a quarter, so quantities that depend on it are well
-    /// sampled.
+    /// sampled. `joints` are θ1, θ4 at its start [rad], where the turns that they are in are known, and returned are those
+    /// at its end, if the workspace limits them.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one proof: from the clearances at a place to the step"
+    )]
     pub(super) fn verify_path(
         &self,
         segment: &PathSegment<S>,
+        joints: Option<[S; 2]>,
         mut visit: impl FnMut(&CurvePoint<S>, &Pose<S>) -> Result<(), ConstraintViolation>,
-    ) -> Result<(), PathError<S>> {
+    ) -> Result<Option<[S; 2]>, PathError<S>> {
         let workspace = &self.workspace;
         let (tool, margin) = (&workspace.tool, workspace.margin);
         let geometry = tool.geometry();
@@ -160,16 +117,23 @@ impl<S: Scalar> Envelope<S> {
         let annulus1 = AnnulusConstraint::new(l1, reach, margin, Singularity::Leg1);
         let annulus4 = AnnulusConstraint::new(l4, l3, margin, Singularity::Leg4);
         let annulus23 = AnnulusConstraint::new(l2, l3, margin, Singularity::Parallel);
-        let mut joints = JointTracker { angles: None };
+        let mut joints = JointTracker { angles: joints };
 
         let length = segment.length();
-        let pace = CurveBounds::of(segment.curve()).first;
+        let bounds = CurveBounds::of(segment.curve());
+        let pace = bounds.first;
+        let path = MotionBounds {
+            speed: pace,
+            acceleration: bounds.second(),
+        };
         let quarter = S::from_f64(0.25);
         // A blend of any length has its greatest curvature in its middle.
         let longest = match segment.curve() {
             Curve::Blend { .. } => length * quarter,
             _ => length,
         };
+        let short = length * S::from_f64(SHORT);
+        let mut last = S::ZERO;
         let mut s = S::ZERO;
         let mut point = segment.at(s);
         let refuse = |s: S, point: Vector2<S>, violation| PathError {
@@ -193,7 +157,7 @@ impl<S: Scalar> Envelope<S> {
             let [angle1, angle4] = joints.clearance(workspace, &pose).map_err(here)?;
             visit(&point, &pose).map_err(here)?;
             if s >= length {
-                return Ok(());
+                return Ok(joints.angles);
             }
 
             // Half the clearance of the legs, so that their sines stay well above the margin.
@@ -211,7 +175,24 @@ impl<S: Scalar> Envelope<S> {
             let turn4 = d / l4 + d / l3;
             let turn23 = b / reach + d / l3;
             let sampled = min(min(sine1 / turn1, sine4 / turn4), sine23 / turn23);
-            let step = min(min(step, quarter * sampled), longest);
+            let mut step = min(min(step, quarter * sampled), longest);
+            if step < short {
+                let place = Place {
+                    tool,
+                    pose: &pose,
+                    at: point.position,
+                    tangent: point.tangent,
+                    velocities: tool
+                        .inverse_velocities(&pose, point.tangent)
+                        .map_err(|error| here(error.into()))?,
+                    path,
+                    annuli: [&annulus1, &annulus4, &annulus23],
+                    joints: [angle1, angle4],
+                };
+                let allowed = longest_step(max(last, step), |step| place.allows(step));
+                step = max(step, min(allowed.unwrap_or(step), longest));
+            }
+            last = step;
             s = min(s + step, length);
             point = segment.at(s);
         }
@@ -225,6 +206,10 @@ impl<S: Scalar> Envelope<S> {
     /// Steps along a straight joint move, calls `visit` at every step with the share of the
     /// move's angle that each joint turns, and proves that the assembly mode is kept. Returns
     /// the pose at the end.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one proof: from the clearances at a place to the step"
+    )]
     pub(super) fn verify_joint_path(
         &self,
         from: [S; 2],
@@ -259,6 +244,8 @@ impl<S: Scalar> Envelope<S> {
             return Err(nowhere(PoseError::NotFinite.into()));
         }
         self.check_margin().map_err(nowhere)?;
+        let short = length * S::from_f64(SHORT);
+        let mut last_step = S::ZERO;
         let mut s = S::ZERO;
         let mut last = Vector2::zeros();
         for _ in 0..STEPS {
@@ -298,7 +285,22 @@ impl<S: Scalar> Envelope<S> {
             }
             let sine = annulus23.least_sine(bd, S::ZERO);
             let sampled = S::from_f64(0.25) * sine * min(l2, l3) / rate;
-            s = min(s + min(clearance / rate, sampled), length);
+            let mut step = min(clearance / rate, sampled);
+            if step < short {
+                let (b, d) = (direction.x * l1, direction.y * l4);
+                let velocity = pose.u4.perpendicular() * d - pose.u1.perpendicular() * b;
+                let motion = MotionBounds {
+                    speed: rate,
+                    acceleration: b * b / l1 + d * d / l4,
+                };
+                let between = pose.d - pose.b;
+                let allowed = longest_step(max(last_step, step), |step| {
+                    least_sine(&annulus23, between, velocity, motion, step).is_some()
+                });
+                step = max(step, min(allowed.unwrap_or(step), sampled));
+            }
+            last_step = step;
+            s = min(s + step, length);
         }
         Err(PathError {
             fraction: s / length,

@@ -248,3 +248,43 @@ fn joint_moves_keep_the_assembly_all_along() {
     accepted.assert_accepted(0.15);
     accepted.assert_refused(0.6);
 }
+
+/// An arm of these lengths [m] with the tool at `offset` from C [m], and no other limits than the margin.
+fn arm(lengths: [f64; 5], offset: V) -> Envelope<f64> {
+    let mut envelope = envelope(0.0);
+    envelope.workspace = Workspace {
+        tool: Tool::new(Geometry::new(lengths).unwrap(), offset).unwrap(),
+        mode: WorkingMode::new(Side::Right, Side::Left),
+        limits: None,
+        margin: MARGIN,
+    };
+    envelope
+}
+
+/// How far the ends of two links of lengths a, b are apart where the sine of their angle is 1.5 % above the margin [m].
+fn barely_straight(a: f64, b: f64) -> f64 {
+    let sine = 1.015 * MARGIN;
+    (a * a + b * b + 2.0 * a * b * (1.0 - sine * sine).sqrt()).sqrt()
+}
+
+#[test]
+fn a_long_path_along_the_margin_is_accepted_just_above_its_reserve() {
+    for offset in [V::zeros(), V::new(-0.15, 0.02), V::new(-0.12, 0.12)] {
+        let envelope = arm([0.2, 0.2, 0.25, 0.25, 0.1], offset);
+        let radius = barely_straight(0.2, envelope.workspace.tool.reach());
+        // About A: leg 1 turns as a whole.
+        let [from, to] = [1.0, 1.8].map(|angle| V::unit(angle) * radius);
+        let arc = PathSegment::arc(from, to, V::zeros(), Sense::CounterClockwise, 1e-9).unwrap();
+        assert!(sampled(&envelope, &arc, &SPARED), "{offset}");
+        assert!(envelope.check(&arc, 0.1).is_ok(), "{offset}");
+    }
+}
+
+#[test]
+fn a_long_joint_move_along_the_margin_is_accepted_just_above_its_reserve() {
+    // Joints 1 and 4 turn links of equal lengths alike: B and D stay as far apart as A and E.
+    let apart = barely_straight(0.2, 0.2);
+    let envelope = arm([0.1, 0.2, 0.2, 0.1, apart], V::zeros());
+    let moved = envelope.check_joint_move([0.3, 0.3], [2.8, 2.8], Side::Left, 0.5);
+    assert!(moved.is_ok(), "{moved:?}");
+}

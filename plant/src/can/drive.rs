@@ -5,8 +5,6 @@
 use super::protocol::{Input, Order};
 use std::f64::consts::TAU;
 
-/// Time without a command after which a drive gives no torque by itself [s].
-pub const WATCHDOG: f64 = 2e-3;
 /// Time between two turns of a drive's loops [s]: ODrive's, and slower than those of MIT-type drives.
 pub(super) const PERIOD: f64 = 125e-6;
 /// Time from the order to give torque until a drive follows its set-point [s].
@@ -27,6 +25,8 @@ pub struct CanDrive {
     pub peak_torque: f64,
     /// T, the lag of its current loop [s]; the tracking loop of its encoder has the same bandwidth.
     pub lag: f64,
+    /// Time without a command after which it gives no torque by itself [s].
+    pub watchdog: f64,
 }
 
 /// What a drive does.
@@ -38,7 +38,7 @@ enum Stage {
     Starts(f64),
     /// It makes its torque.
     Drives,
-    /// No torque, because of an error.
+    /// No torque, because of an error, which stays until it is cleared.
     Error,
     /// It has reset: no torque, and no part on the bus; so much longer [s].
     Boots(f64),
@@ -51,6 +51,8 @@ pub(super) struct DriveOnBus {
     stage: Stage,
     /// Whether it has been told to follow its input.
     follows: bool,
+    /// Whether it follows its input without being told to.
+    always_follows: bool,
     input: Input,
     /// k/d [1/s], and d [N·m·s/rad].
     gains: [f64; 2],
@@ -59,8 +61,10 @@ pub(super) struct DriveOnBus {
     /// τd and τ at its shaft [N·m].
     set_point: f64,
     torque: f64,
-    /// Time since the last command [s].
-    unfed: f64,
+    /// Time since the last command [s]; none before the first one since its power-up.
+    unfed: Option<f64>,
+    /// Its error comes back whenever it is cleared.
+    is_broken: bool,
     /// It takes no part on the bus.
     is_cut_off: bool,
 }
@@ -71,12 +75,14 @@ impl DriveOnBus {
             drive,
             stage: Stage::Off,
             follows,
+            always_follows: follows,
             input: Input::default(),
             gains: [0.0; 2],
             tracked: None,
             set_point: 0.0,
             torque: 0.0,
-            unfed: 0.0,
+            unfed: None,
+            is_broken: false,
             is_cut_off: false,
         }
     }
@@ -86,9 +92,22 @@ impl DriveOnBus {
         self.is_cut_off = true;
     }
 
-    /// It starts anew.
+    /// It starts anew: its errors are gone, and its mode.
     pub(super) fn reset(&mut self) {
         self.stop(Stage::Boots(BOOT));
+        (self.unfed, self.follows) = (None, self.always_follows);
+    }
+
+    /// It leaves the mode in which it gives torque, without an error.
+    pub(super) fn lose_mode(&mut self) {
+        self.stop(Stage::Off);
+        self.follows = self.always_follows;
+    }
+
+    /// It has an error from now on that no clear removes.
+    pub(super) fn break_down(&mut self) {
+        self.stop(Stage::Error);
+        self.is_broken = true;
     }
 
     pub(super) fn is_silent(&self) -> bool {
@@ -103,18 +122,22 @@ impl DriveOnBus {
         self.stage == Stage::Error
     }
 
-    /// Does what a frame asks for.
+    /// Does what a frame asks for. Each frame that is meant for it feeds its watchdog, as in ODrive's firmware 0.5.
     pub(super) fn apply(&mut self, order: Order) {
+        self.unfed = Some(0.0);
         match order {
-            Order::Start if self.follows && matches!(self.stage, Stage::Off | Stage::Error) => {
-                (self.stage, self.unfed) = (Stage::Starts(START), 0.0);
+            Order::Start if self.follows && self.stage == Stage::Off => {
+                self.stage = Stage::Starts(START);
             }
-            Order::Stop => self.stop(Stage::Off),
+            Order::Stop if self.stage != Stage::Error => self.stop(Stage::Off),
+            Order::Clear if self.stage == Stage::Error && !self.is_broken => {
+                self.stop(Stage::Off);
+            }
             Order::Follow => self.follows = true,
-            Order::Input(input) => (self.input, self.unfed) = (input, 0.0),
+            Order::Input(input) => self.input = input,
             Order::PositionGain(gain) => self.gains[0] = gain,
             Order::VelocityGain(gain) => self.gains[1] = gain,
-            Order::Start | Order::Tell => {}
+            Order::Start | Order::Stop | Order::Clear | Order::Tell => {}
         }
     }
 
@@ -148,14 +171,19 @@ impl DriveOnBus {
 
     /// Lets this time pass [s]; unpowered, it gives no torque. Returns the mean torque at its shaft [N·m].
     pub(super) fn pass(&mut self, time: f64, is_powered: bool) -> f64 {
-        self.unfed += time;
+        let unfed = self.unfed.map(|unfed| unfed + time);
+        self.unfed = unfed;
         match self.stage {
             Stage::Starts(left) if left <= time => self.stage = Stage::Drives,
             Stage::Starts(left) => self.stage = Stage::Starts(left - time),
             Stage::Boots(left) if left <= time => self.stage = Stage::Off,
             Stage::Boots(left) => self.stage = Stage::Boots(left - time),
-            Stage::Drives if self.unfed > WATCHDOG => self.stop(Stage::Error),
             Stage::Drives | Stage::Off | Stage::Error => {}
+        }
+        // In every state, also without torque.
+        let is_awake = !matches!(self.stage, Stage::Boots(_));
+        if is_awake && unfed.is_some_and(|unfed| unfed > self.drive.watchdog) {
+            self.stop(Stage::Error);
         }
         if !self.drives() || !is_powered {
             self.torque = 0.0;
@@ -184,13 +212,22 @@ mod tests {
         rotor_inertia: 3e-5,
         peak_torque: 1.0,
         lag: 1e-3,
+        watchdog: 2e-3,
     };
+
+    /// Orders it to give torque, and goes on with commands until it does.
+    fn start(drive: &mut DriveOnBus) {
+        drive.apply(Order::Start);
+        for _ in 0..11 {
+            drive.apply(Order::Input(Input::default()));
+            drive.pass(0.1 * START, true);
+        }
+    }
 
     /// A drive that makes this torque.
     fn driving(torque: f64) -> DriveOnBus {
         let mut drive = DriveOnBus::new(DRIVE, true);
-        drive.apply(Order::Start);
-        drive.pass(START, true);
+        start(&mut drive);
         let input = Input {
             torque,
             ..Input::default()
@@ -238,15 +275,32 @@ mod tests {
     #[test]
     fn without_commands_the_drives_own_watchdog_ends_its_torque() {
         let mut drive = driving(0.5);
-        drive.pass(WATCHDOG, true);
+        drive.pass(DRIVE.watchdog, true);
         assert!(drive.drives() && drive.torque() > 0.4);
         drive.pass(1e-6, true);
         assert!(drive.is_in_error() && drive.torque() == 0.0);
-        // It starts anew when it is told to.
-        drive.apply(Order::Start);
-        drive.pass(START, true);
-        drive.turn(0.0);
-        assert!(drive.drives() && drive.torque() == 0.0);
+    }
+
+    #[test]
+    fn an_error_stays_until_it_is_cleared_and_one_whose_cause_stays_does_not_go() {
+        let mut drive = driving(0.5);
+        // Without torque the watchdog runs, too.
+        drive.apply(Order::Stop);
+        drive.pass(1e-3, true);
+        assert!(!drive.is_in_error());
+        drive.pass(1.1e-3, true);
+        assert!(drive.is_in_error());
+        drive.apply(Order::Stop);
+        start(&mut drive);
+        assert!(drive.is_in_error());
+        drive.apply(Order::Clear);
+        assert!(!drive.is_in_error() && !drive.drives());
+        start(&mut drive);
+        assert!(drive.drives());
+        drive.break_down();
+        drive.apply(Order::Clear);
+        start(&mut drive);
+        assert!(drive.is_in_error() && drive.torque() == 0.0);
     }
 
     #[test]
@@ -258,8 +312,7 @@ mod tests {
         }
         assert!((drive.torque() - DRIVE.peak_torque).abs() < 1e-6);
         let mut other = DriveOnBus::new(DRIVE, false);
-        other.apply(Order::Start);
-        other.pass(2.0 * START, true);
-        assert!(!other.drives());
+        start(&mut other);
+        assert!(!other.drives() && !other.is_in_error());
     }
 }

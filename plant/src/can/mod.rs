@@ -2,6 +2,7 @@
 
 mod bus;
 mod drive;
+mod mistakes;
 mod plant;
 mod protocol;
 mod wires;
@@ -9,7 +10,7 @@ mod wires;
 use crate::fault::FaultKind;
 use crate::mismatch::Mismatch;
 pub use bus::bits_on_bus;
-pub use drive::{BOOT, CanDrive, WATCHDOG};
+pub use drive::{BOOT, CanDrive};
 pub use plant::CanPlant;
 pub use wires::{BusEvent, Wires};
 

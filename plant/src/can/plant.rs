@@ -11,6 +11,7 @@ use super::wires::Wires;
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
 use crate::plant::Plant;
+use crate::wiring::Wiring;
 use fivebar_design::Noise;
 use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::drives::can::{Frame, Protocol, odrive};
@@ -18,6 +19,7 @@ use fivebar_firmware::settings::{HomingMethod, Share};
 use fivebar_firmware::{ActuatorCommand, ArmSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
+use std::f64::consts::TAU;
 
 /// What is left of a time by rounding is shorter [s].
 pub(super) const SHORTEST_STEP: f64 = 1e-12;
@@ -27,19 +29,19 @@ pub(super) const CONTROLLER: usize = 0;
 /// An arm with two torque drives on a CAN bus.
 #[derive(Clone, Debug)]
 pub struct CanPlant {
-    arm: Plant,
-    protocol: Protocol,
+    pub(super) arm: Plant,
+    pub(super) protocol: Protocol,
     pub(super) drives: [DriveOnBus; 2],
     pub(super) bus: Bus,
     /// Frames that the controller has received since it last took them.
     pub(super) received: Vec<Frame>,
     /// Counts per turn of each drive's shaft, and the counts where it tells 0.
-    counts_per_turn: [f64; 2],
-    zero: [i32; 2],
+    pub(super) counts_per_turn: [f64; 2],
+    pub(super) zero: [i32; 2],
     /// Of the settings [N·m/A].
     torque_constant: [f64; 2],
     /// By this factor the drives make other torques than they tell.
-    torque_factor: [f64; 2],
+    pub(super) torque_factor: [f64; 2],
     /// Time until each drive sends its next frame by itself [s].
     pub(super) until_told: [f64; 2],
     /// Time until the drives' loops have their next turn [s].
@@ -49,7 +51,14 @@ pub struct CanPlant {
     pub(super) is_spoilt: bool,
     /// The share of the frames that an error hits.
     error_share: f64,
-    noise: Noise,
+    pub(super) noise: Noise,
+    /// The least and the greatest time by which each drive's answers are late [s], and those that wait for it.
+    pub(super) delay: [[f64; 2]; 2],
+    late: [Vec<(f64, Frame)>; 2],
+    /// Which drives tell the same answers again and again, and these.
+    pub(super) repeats: [bool; 2],
+    pub(super) repeated: [Vec<Frame>; 2],
+    pub(super) wiring: Wiring,
 }
 
 impl CanPlant {
@@ -91,6 +100,11 @@ impl CanPlant {
             is_spoilt: false,
             error_share: 0.0,
             noise: Noise::new(seed),
+            delay: [[0.0; 2]; 2],
+            late: [Vec::new(), Vec::new()],
+            repeats: [false; 2],
+            repeated: [Vec::new(), Vec::new()],
+            wiring: Wiring::default(),
         }
     }
 
@@ -122,10 +136,12 @@ impl CanPlant {
         for j in Joint::ALL {
             if self.arm.faults.cut_off[j] {
                 self.drives[j].cut_off();
+                self.late[j].clear();
                 self.bus.forget(sender(j));
             }
             if std::mem::take(&mut self.arm.faults.resets[j]) {
                 self.drives[j].reset();
+                self.late[j].clear();
                 self.bus.forget(sender(j));
             }
         }
@@ -176,17 +192,38 @@ impl CanPlant {
         }
         let step = most.min(self.until_turn);
         let step = self.bus.time_left().map_or(step, |end| end.min(step));
+        let step = step.min(self.until_late());
         self.advance(command, step);
         self.until_turn -= step;
+        self.put_late(step);
         (step, self.bus.pass(step))
+    }
+
+    /// Time until an answer that is late comes [s].
+    pub(super) fn until_late(&self) -> f64 {
+        let times = self.late.iter().flatten().map(|&(left, _)| left);
+        times.fold(f64::INFINITY, f64::min).max(SHORTEST_STEP)
+    }
+
+    /// Lets this time pass for answers that are late [s].
+    fn put_late(&mut self, time: f64) {
+        for j in Joint::ALL {
+            for (left, _) in &mut self.late[j] {
+                *left -= time;
+            }
+            let due = self.late[j].extract_if(.., |(left, _)| *left <= SHORTEST_STEP);
+            for (_, frame) in due {
+                self.bus.put(sender(j), frame);
+            }
+        }
     }
 
     /// One step of the mechanics by the drives' torques.
     fn advance(&mut self, command: &ActuatorCommand, time: f64) {
         let torque = Joint::ALL.map(|j| {
             let is_powered = self.arm.is_powered(j);
-            let drive = &mut self.drives[j];
-            self.torque_factor[j] * drive.drive.gear_ratio * drive.pass(time, is_powered)
+            let factor = self.torque_per_drive(j);
+            factor * self.drives[j].pass(time, is_powered)
         });
         if let Some(drives) = &mut self.arm.drives {
             drives.motor_torque = torque;
@@ -197,20 +234,26 @@ impl CanPlant {
     /// A frame has gone over the bus.
     pub(super) fn arrive(&mut self, from: usize, frame: &Frame) {
         if from != CONTROLLER {
-            if !self.is_bus_off() {
-                self.received.push(*frame);
-            }
+            self.receive(from, *frame);
             return;
         }
         for j in Joint::ALL {
-            if self.drives[j].is_silent() {
+            let orders = orders(&self.protocol, frame, self.drives[j].drive.node);
+            if self.drives[j].is_silent() || orders.is_empty() || self.misses_order(j) {
                 continue;
             }
-            for order in orders(&self.protocol, frame, self.drives[j].drive.node) {
+            for order in orders {
                 self.drives[j].apply(order);
                 if order == Order::Tell {
                     let told = self.told(j);
-                    self.bus.put(sender(j), answer(&self.protocol, &told));
+                    let answer = answer(&self.protocol, &told);
+                    let [least, greatest] = self.delay[j];
+                    if greatest > 0.0 {
+                        let delay = least + (greatest - least) * self.noise.uniform();
+                        self.late[j].push((delay, answer));
+                    } else {
+                        self.bus.put(sender(j), answer);
+                    }
                 }
             }
         }
@@ -224,7 +267,7 @@ impl CanPlant {
         Answer {
             node: drive.drive.node,
             turns,
-            speed: drive.drive.gear_ratio * speed / std::f64::consts::TAU,
+            speed: self.direction(joint) * drive.drive.gear_ratio * speed / TAU,
             torque: drive.torque(),
             drives: drive.drives(),
             error: drive.is_in_error(),
@@ -234,7 +277,7 @@ impl CanPlant {
     /// Turns of a drive's shaft, as its encoder counts them.
     fn turns(&mut self, joint: Joint) -> f64 {
         let counts = self.arm.sense().counts[joint].wrapping_sub(self.zero[joint]);
-        f64::from(counts) / self.counts_per_turn[joint]
+        self.direction(joint) * f64::from(counts) / self.counts_per_turn[joint]
     }
 
     /// Samples the sensors that do not belong to the drives. The counts are 0.
@@ -263,10 +306,7 @@ impl CanPlant {
 
     /// The drives' torques at the joints [N·m].
     pub fn torque(&self) -> [f64; 2] {
-        Joint::ALL.map(|j| {
-            let drive = &self.drives[j];
-            self.torque_factor[j] * drive.drive.gear_ratio * drive.torque()
-        })
+        Joint::ALL.map(|j| self.torque_per_drive(j) * self.drives[j].torque())
     }
 
     /// The drives' torques over the torque constants of the settings [A].
@@ -306,6 +346,6 @@ pub(super) fn command(brake: bool, tool: Share) -> ActuatorCommand {
 }
 
 /// A joint's drive as a sender on the bus.
-fn sender(joint: Joint) -> usize {
+pub(super) fn sender(joint: Joint) -> usize {
     1 + joint.index()
 }

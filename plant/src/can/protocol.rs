@@ -12,6 +12,8 @@ pub(super) enum Order {
     Start,
     /// Give none.
     Stop,
+    /// Clear the errors.
+    Clear,
     /// Follow positions, velocities and torques.
     Follow,
     /// These, at the drive's shaft.
@@ -56,6 +58,7 @@ pub(super) fn orders(protocol: &Protocol, frame: &Frame, node: u8) -> Vec<Order>
         Protocol::Odrive if frame.id >> 5 == u16::from(node) => of_odrive(frame),
         Protocol::Mit(ranges) if frame.id == u16::from(node) => match frame.data {
             Some([.., 0xFC]) if is_special(frame) => vec![Order::Start, Order::Tell],
+            Some([.., 0xFB]) if is_special(frame) => vec![Order::Clear, Order::Tell],
             Some([.., 0xFD]) if is_special(frame) => vec![Order::Stop, Order::Tell],
             Some(data) => vec![Order::Input(input(data, ranges)), Order::Tell],
             None => Vec::new(),
@@ -106,6 +109,7 @@ fn of_odrive(frame: &Frame) -> Vec<Order> {
             torque: thousandths([g, h]),
             stiffness: None,
         })],
+        (0x18, ..) => vec![Order::Clear],
         (0x1A, ..) => vec![Order::PositionGain(single)],
         (0x1B, ..) => vec![Order::VelocityGain(single / TAU)],
         _ => Vec::new(),
@@ -126,7 +130,7 @@ pub(super) fn answer(protocol: &Protocol, told: &Answer) -> Frame {
 pub(super) fn by_itself(protocol: &Protocol, told: &Answer) -> Option<Frame> {
     match protocol {
         Protocol::Odrive => {
-            // WATCHDOG_TIMER_EXPIRED.
+            // `active_errors | disarm_reason`: WATCHDOG_TIMER_EXPIRED.
             let error: u32 = if told.error { 0x0100_0000 } else { 0 };
             let state = if told.drives { 8 } else { 1 };
             Some(odrive(

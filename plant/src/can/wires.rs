@@ -65,6 +65,7 @@ impl CanPlant {
             false => self.until_told[j].max(0.0),
         });
         let end = self.bus.time_left().unwrap_or(f64::INFINITY);
+        let end = end.min(self.until_late());
         end.min(beats[0]).min(beats[1])
     }
 

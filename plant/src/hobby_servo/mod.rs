@@ -11,6 +11,6 @@ pub use servo::HobbyServo;
 impl FaultKind {
     /// Whether it can happen to an arm with hobby servos: what happens to steppers, without their steps.
     pub fn is_of_hobby_servos(&self) -> bool {
-        self.is_of_steppers() && !matches!(self, Self::StepLost { .. })
+        self.is_of_steppers() && !matches!(self, Self::StepLost { .. } | Self::PhaseOpen { .. })
     }
 }

@@ -3,10 +3,11 @@
 //! It is a [`Plant`] whose bridges are off, as an arm with steppers is; the servos' torques act on its joints. The timer
 //! that makes the pulses is here too: the controller's micro-steps are its units.
 
-use super::servo::HobbyServo;
+use super::servo::{Electronics, HobbyServo};
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
 use crate::plant::Plant;
+use crate::wiring::{StepWires, Wiring};
 use fivebar_firmware::drives::{BrushedCommand, StepCommand, StepSample};
 use fivebar_firmware::{ActuatorCommand, ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
@@ -20,7 +21,10 @@ const LONGEST_STEP: f64 = 5e-5;
 pub struct HobbyServoPlant {
     arm: Plant,
     axes: [Axis; 2],
+    wires: StepWires,
     nominal_voltage: f64,
+    /// The supply has been so high that the electronics of both servos are broken.
+    is_broken: bool,
 }
 
 /// One servo with the timer that makes its pulses.
@@ -71,8 +75,16 @@ impl HobbyServoPlant {
         Self {
             arm,
             axes,
+            wires: StepWires::default(),
             nominal_voltage: parameters.bus_voltage,
+            is_broken: false,
         }
+    }
+
+    /// Wires the arm like this from now on.
+    pub fn rewire(&mut self, wiring: &Wiring) {
+        self.arm.rewire(wiring);
+        self.wires.rewire(wiring);
     }
 
     /// Advances by one tick of `period` [s], and by the ticks that the controller misses, in which the pulses stay as long
@@ -82,7 +94,8 @@ impl HobbyServoPlant {
         for _ in 0..=self.arm.begin_tick() {
             self.tick(command, period);
         }
-        for (axis, units) in self.axes.iter_mut().zip(command.drives.steps) {
+        let units = self.wires.turn(command.drives.steps);
+        for (axis, units) in self.axes.iter_mut().zip(units) {
             axis.units += units;
         }
     }
@@ -96,13 +109,18 @@ impl HobbyServoPlant {
         };
         let parts = (period / LONGEST_STEP).ceil().max(1.0);
         let time = period / parts;
+        let enable = self.wires.enabled(command.enable);
         for _ in 0..parts as u32 {
-            let supply = self.arm.bus_voltage() / self.nominal_voltage;
+            let volts = self.wires.supply_share() * self.arm.bus_voltage();
+            let electronics = Electronics::on(volts);
+            self.is_broken |= electronics == Electronics::Broken;
+            let works = electronics == Electronics::Work && !self.is_broken;
+            let supply = volts / self.nominal_voltage;
             let torque = Joint::ALL.map(|j| {
-                let powered = command.enable[j] && self.arm.is_powered(j);
+                let powered = enable[j] && self.arm.is_powered(j);
                 let (angle, speed) = self.arm.rotor(j);
                 let axis = &mut self.axes[j];
-                axis.receive(powered, time);
+                axis.receive(powered && works, time);
                 axis.drive(angle, speed, supply);
                 axis.servo.gear_ratio * axis.torque
             });
@@ -116,7 +134,7 @@ impl HobbyServoPlant {
     /// Samples all sensors at once; the counts are the units of the timer.
     pub fn sense(&mut self) -> ArmSample<StepSample> {
         let sample = self.arm.sense();
-        let units = self.axes.each_ref().map(|axis| axis.units);
+        let units = self.wires.counted();
         ArmSample {
             counts: units,
             drives: StepSample {

@@ -14,6 +14,35 @@ const BAND: f64 = 0.15;
 /// G, how much stiffer the loop makes the speed than the motor is by itself.
 const SPEED_GAIN: f64 = 20.0;
 
+/// Below this voltage the electronics of a servo do not work, and above this one they break [V]: they are rated for 4.8 to
+/// 8.4 V.
+const WORKS: f64 = 3.5;
+const BREAKS: f64 = 10.0;
+
+/// What a supply makes of the electronics in a servo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Electronics {
+    /// Too little voltage: no torque.
+    Off,
+    /// They work.
+    Work,
+    /// So much that they are broken from then on.
+    Broken,
+}
+
+impl Electronics {
+    /// On a supply of this voltage [V].
+    pub(super) fn on(volts: f64) -> Self {
+        if volts > BREAKS {
+            Self::Broken
+        } else if volts < WORKS {
+            Self::Off
+        } else {
+            Self::Work
+        }
+    }
+}
+
 /// A hobby servo. Speed, torque and inertia are of its shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HobbyServo {

@@ -28,6 +28,7 @@ impl Plant {
     }
 
     /// Injects a fault now.
+    #[expect(clippy::too_many_lines, reason = "a list of faults")]
     pub fn inject(&mut self, fault: FaultKind) {
         use FaultKind::*;
         match fault {
@@ -101,6 +102,7 @@ impl Plant {
                 self.faults.slipping[joint] = Some(Slip { from, share });
             }
             StepLost { joint, steps } => self.faults.missed_steps[joint] += steps,
+            PhaseOpen { joint } => self.faults.phase_open[joint] = true,
             CanSilent { joint } => self.faults.cut_off[joint] = true,
             CanReset { joint } => self.faults.resets[joint] = true,
             CanBusOff => self.faults.bus_off = true,

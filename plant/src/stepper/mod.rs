@@ -7,9 +7,9 @@ mod windings;
 use crate::encoder::Harmonics;
 use crate::fault::FaultKind;
 use crate::mismatch::Mismatch;
-pub use motor::Stepper;
+pub use motor::{DriverMode, Stepper};
 pub use plant::StepperPlant;
-pub use windings::Windings;
+pub use windings::{Rotor, Windings};
 
 impl Mismatch {
     /// The name of the first effect that is simulated on brushed motors and encoders only.
@@ -50,6 +50,7 @@ impl FaultKind {
         matches!(
             self,
             Self::StepLost { .. }
+                | Self::PhaseOpen { .. }
                 | Self::SwitchStuck { .. }
                 | Self::MotorDisconnected { .. }
                 | Self::MotorStalled { .. }

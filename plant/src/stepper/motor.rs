@@ -6,10 +6,33 @@
 //! θ is the motor's angle, φ that of the field, N a quarter of the full steps of a turn, K the holding torque over
 //! the rated current I, τ_d the detent torque.
 
+use serde::Deserialize;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::fmt;
 
 /// Speeds at which the line below the pull-out torque is compared with it.
 const SPEEDS: u32 = 64;
+
+/// What a driver gives the windings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DriverMode {
+    /// The currents of the micro-steps: a chopper holds them, as SpreadCycle does.
+    #[default]
+    Current,
+    /// A voltage along the micro-steps, as StealthChop does: the currents follow from it.
+    Voltage,
+}
+
+/// As robot files have it.
+impl fmt::Display for DriverMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Current => "current",
+            Self::Voltage => "voltage",
+        })
+    }
+}
 
 /// A stepper motor with its driver's micro-steps and its gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +57,8 @@ pub struct Stepper {
     pub detent_torque: f64,
     /// Whether an encoder counts, as the settings' axis says; without one the counts are the micro-steps made.
     pub encoder: bool,
+    /// What its driver gives the windings.
+    pub driver: DriverMode,
 }
 
 impl Stepper {
@@ -60,9 +85,19 @@ impl Stepper {
         in_turn as f64 * FRAC_PI_2 / per_full_step as f64
     }
 
-    /// The torque of the detents alone, at the motor's angle [rad] from a full step [N·m].
-    pub fn detent(&self, angle: f64) -> f64 {
-        -self.detent_torque * libm::sin(4.0 * self.periods() * angle)
+    /// The amplitude of the voltage of a driver in [`DriverMode::Voltage`] whose micro-steps turn the motor at this speed
+    /// [rad/s]:
+    ///
+    /// U = √((R I)² + (N ω L I + K ω)²).
+    ///
+    /// It is the amplitude to which such a driver regulates itself in a motor without load, so that the current's vector
+    /// has the length I: without load it lies along the rotor, where the back-EMF is across it (the equations of the
+    /// [windings](super::Windings) in the rotor's frame, at rest). The field is then ahead of the rotor by
+    /// atan((N L I + K) ω/(R I)).
+    pub fn regulated_voltage(&self, speed: f64) -> f64 {
+        let resistive = self.resistance * self.rated_current;
+        let inductive = self.periods() * self.inductance * self.rated_current;
+        libm::hypot(resistive, (inductive + self.torque_constant()) * speed)
     }
 
     /// The energy in the detents at that angle; 0 at a full step [J].
@@ -134,39 +169,14 @@ impl Stepper {
         (self.periods() * self.holding_torque / inertia).sqrt() / TAU
     }
 
+    /// The fastest oscillation of its rotor, one that turns nothing else, at a full step, √(N (T + 4 τ_d)/J) [rad/s].
+    pub(super) fn fastest_swing(&self) -> f64 {
+        let torque = self.holding_torque + 4.0 * self.detent_torque;
+        (self.periods() * torque / self.rotor_inertia).sqrt()
+    }
+
     /// The inertia at the motor's shaft [kg·m²] that oscillates with this frequency [Hz].
     pub fn inertia_at(&self, natural_frequency: f64) -> f64 {
         self.periods() * self.holding_torque / (TAU * natural_frequency).powi(2)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Stepper, TAU};
-
-    #[test]
-    fn the_detents_torque_is_the_slope_of_their_energy_and_holds_full_steps() {
-        let motor = Stepper {
-            steps_per_turn: 200,
-            microsteps: 16,
-            gear_ratio: 4.0,
-            rotor_inertia: 5.4e-6,
-            holding_torque: 0.40,
-            rated_current: 1.7,
-            resistance: 1.5,
-            inductance: 2.8e-3,
-            detent_torque: 0.02,
-            encoder: false,
-        };
-        let full_step = TAU / 200.0;
-        for share in [0.0, 0.1, 0.25, 0.4, 0.7] {
-            let angle = share * full_step;
-            let small = 1e-6;
-            let slope = motor.detent_energy(angle + small) - motor.detent_energy(angle - small);
-            let torque = motor.detent(angle);
-            assert!((torque + slope / (2.0 * small)).abs() < 1e-7, "{share}");
-        }
-        assert!(motor.detent(0.25 * full_step) < -0.0199);
-        assert!(motor.detent(3.25 * full_step) < -0.0199);
     }
 }

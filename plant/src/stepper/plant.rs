@@ -1,30 +1,47 @@
 //! The arm with two stepper motors, one tick at a time.
 //!
 //! It is a [`Plant`] whose bridges are off: links, friction, belts, brakes, switches, encoders and faults are the same.
-//! The motors' torques act on its rotors. A tick is cut into steps of at most 5 µs, each with one step of the
-//! mechanics, by the torque in its middle (θ + ω Δt/2, which neither damps nor excites a rotor), and one of the windings.
+//! The motors' torques act on its rotors. A tick is cut into equal steps of the mechanics, and each of these into equal
+//! steps of the windings, whose currents change much faster than the arm moves. First the windings take their steps, while
+//! each rotor goes on at its speed. Then the mean of their torques drives the mechanics through the same time. For a
+//! spring, the mean of the torques along θ + ω t is the torque in the middle, θ + ω Δt/2, which neither damps nor excites
+//! a rotor.
 
-use super::motor::Stepper;
-use super::windings::Windings;
+use super::motor::{DriverMode, Stepper};
+use super::windings::{Rotor, Windings};
 use crate::drives::{Drives, Energy};
+use crate::dynamics::SHORTEST_STEP;
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
 use crate::plant::Plant;
+use crate::wiring::{StepWires, Wiring};
 use fivebar_firmware::drives::{BrushedCommand, Resolution, StepCommand, StepSample};
 use fivebar_firmware::{ActuatorCommand, ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
-/// The longest integration step [s]: an edge of 200,000 micro-steps a second, and 0.1 rad of the field at the highest
+/// The longest step of the windings [s]: an edge of 200,000 micro-steps a second, and 0.1 rad of the field at the highest
 /// speed of a common motor.
-const LONGEST_STEP: f64 = 5e-6;
+const WINDINGS: f64 = 5e-6;
+/// The longest step of the mechanics [s]: 0.1 rad of the swing of a common motor's rotor that turns nothing else.
+const MECHANICS: f64 = 50e-6;
+/// The greatest phase of a rotor's swing in one step of the mechanics [rad]. The swing is then faster by 1/24 of its
+/// square, 0.05 %. A common motor's rotor swings by this in 50 µs, so a tick of 100 µs has two steps of the mechanics.
+const PHASE: f64 = 0.11;
+
+/// The time in which a driver in voltage mode sees that its micro-steps come at another speed [s]: five at the slowest
+/// speed at which their lag matters, 5 rad/s with 16 of them in a full step.
+const SPEED_FILTER: f64 = 2e-3;
 
 /// An arm with two stepper motors behind drivers with step and direction.
 #[derive(Clone, Debug)]
 pub struct StepperPlant {
     arm: Plant,
     axes: [Axis; 2],
+    wires: StepWires,
+    /// The longest steps of mechanics and windings [s].
+    longest: [f64; 2],
     /// Of the windings alone.
     energy: Energy,
 }
@@ -42,6 +59,12 @@ struct Axis {
     to_miss: u32,
     /// The motor's angle at the start, which is a full step [rad].
     start: f64,
+    /// The direction of the field after the steps made, as its cosine and sine.
+    field: [f64; 2],
+    /// The motor's speed at which the field turns, as its driver sees it [rad/s].
+    field_speed: f64,
+    /// The motor's acceleration in the latest step of the mechanics [rad/s²].
+    acceleration: f64,
 }
 
 impl StepperPlant {
@@ -67,12 +90,36 @@ impl StepperPlant {
                 missed: 0,
                 to_miss: 0,
                 start: motor.gear_ratio * arm.angle(j),
+                field: [1.0, 0.0],
+                field_speed: 0.0,
+                acceleration: 0.0,
             }
         });
+        let swings = axes.each_ref().map(|axis| axis.motor.fastest_swing());
+        let mechanics = MECHANICS.min(PHASE / swings[0].max(swings[1]));
         Self {
             arm,
             axes,
+            wires: StepWires::default(),
+            longest: [mechanics.max(SHORTEST_STEP), WINDINGS],
             energy: Energy::default(),
+        }
+    }
+
+    /// The same arm, integrated in half the steps: by how much it then moves differently shows how exact the steps are.
+    #[must_use]
+    pub fn with_finer_steps(mut self) -> Self {
+        self.longest = self.longest.map(|step| 0.5 * step);
+        self
+    }
+
+    /// Wires the arm like this from now on.
+    pub fn rewire(&mut self, wiring: &Wiring) {
+        self.arm.rewire(wiring);
+        self.wires.rewire(wiring);
+        for j in Joint::ALL {
+            self.arm.faults.disconnected[j] |= wiring.motor_dead[j];
+            self.arm.faults.phase_open[j] |= wiring.phase_dead[j];
         }
     }
 
@@ -85,7 +132,8 @@ impl StepperPlant {
             let full_steps = std::mem::take(&mut self.arm.faults.missed_steps[j]);
             self.axes[j].to_miss += full_steps * self.axes[j].motor.microsteps;
         }
-        self.tick(command, command.drives.steps, period);
+        let steps = self.wires.turn(command.drives.steps);
+        self.tick(command, steps, period);
         for _ in 0..missed {
             self.tick(command, [0; 2], period);
         }
@@ -98,46 +146,76 @@ impl StepperPlant {
             brake: command.brake,
             tool: command.tool,
         };
+        let [mechanics, windings] = self.longest;
+        let (parts, time) = equal_parts(period, mechanics);
+        let (in_part, winding_time) = equal_parts(time, windings);
         let before = self.axes.each_ref().map(|axis| axis.made);
-        let parts = (period / LONGEST_STEP).ceil().max(1.0);
-        let time = period / parts;
-        for part in 1..=parts as u32 {
-            self.turn_rotors(&bridges_off, time);
+        let enable = self.wires.enabled(command.enable);
+        for part in 0..parts {
+            let torque = Joint::ALL.map(|j| {
+                let powered = enable[j] && self.arm.is_powered(j);
+                let made = (part * in_part..(part + 1) * in_part).map(|step| {
+                    let share = f64::from(step + 1) / f64::from(parts * in_part);
+                    before[j] + made(steps[j], share)
+                });
+                self.drive(j, powered, made, winding_time)
+            });
+            if let Some(drives) = &mut self.arm.drives {
+                drives.motor_torque = torque;
+            }
+            let speed = Joint::ALL.map(|j| self.rotor(j).1);
+            self.arm.advance(&bridges_off, time);
             for j in Joint::ALL {
-                self.axes[j].make(before[j] + made(steps[j], f64::from(part) / parts));
-                let powered = command.enable[j] && self.arm.is_powered(j);
-                self.drive(j, powered, time);
+                self.axes[j].acceleration = (self.rotor(j).1 - speed[j]) / time;
             }
         }
     }
 
-    /// One step of the mechanics by the motors' torques in the middle of it.
-    fn turn_rotors(&mut self, command: &ActuatorCommand, time: f64) {
-        let torque = Joint::ALL.map(|j| {
-            let (angle, speed) = self.rotor(j);
-            let Axis {
-                motor, windings, ..
-            } = &self.axes[j];
-            motor.gear_ratio * windings.torque(motor, angle + 0.5 * time * speed)
-        });
-        if let Some(drives) = &mut self.arm.drives {
-            drives.motor_torque = torque;
+    /// Steps of `time` [s] of a motor's windings, at the ends of which so many micro-steps are made. Until then the rotor
+    /// turns on: its angle at its speed, and for the back-EMF its speed at its latest acceleration, without which the
+    /// work of the motor would not be that of the supply. Returns the mean torque at the joint [N·m].
+    fn drive(
+        &mut self,
+        joint: Joint,
+        powered: bool,
+        made: impl ExactSizeIterator<Item = i64>,
+        time: f64,
+    ) -> f64 {
+        let (angle, speed) = self.rotor(joint);
+        let supply = self.wires.supply_share() * self.arm.bus_voltage();
+        let (axis, wires) = (&mut self.axes[joint], &self.wires);
+        let motor = axis.motor;
+        let is_open = self.arm.faults.phase_open[joint];
+        let half = 0.5 * time;
+        let half_a_step = Rotor::new(&motor, half * speed, half * axis.acceleration);
+        let mut rotor = Rotor::new(&motor, angle, speed);
+        let (mut torque, steps) = (0.0, made.len() as f64);
+        for made in made {
+            rotor = rotor.turned(&half_a_step);
+            torque += axis.windings.torque(&motor, &rotor);
+            rotor = rotor.turned(&half_a_step);
+            axis.make(made, time);
+            let along_field = |length| wires.phases(joint, axis.field.map(|share| length * share));
+            let Energy { supplied, lost } = match (powered, motor.driver) {
+                (true, DriverMode::Voltage) => {
+                    let voltage = motor.regulated_voltage(axis.field_speed).min(supply);
+                    let voltage = along_field(voltage);
+                    axis.windings
+                        .step_under_voltage(&motor, voltage, &rotor, time)
+                }
+                (true, DriverMode::Current) => {
+                    let set_point = along_field(motor.rated_current);
+                    axis.windings.step(&motor, set_point, &rotor, supply, time)
+                }
+                (false, _) => axis.windings.step(&motor, [0.0; 2], &rotor, supply, time),
+            };
+            if is_open {
+                axis.windings.phases[1] = 0.0;
+            }
+            self.energy.supplied += supplied;
+            self.energy.lost += lost;
         }
-        self.arm.advance(command, time);
-    }
-
-    /// One step of a motor's windings.
-    fn drive(&mut self, joint: Joint, powered: bool, time: f64) {
-        let rotor = self.rotor(joint);
-        let supply = self.arm.bus_voltage();
-        let axis = &mut self.axes[joint];
-        let motor = &axis.motor;
-        let current = if powered { motor.rated_current } else { 0.0 };
-        let (sin, cos) = libm::sincos(motor.field(axis.made - axis.missed));
-        let set_point = [current * cos, current * sin];
-        let Energy { supplied, lost } = axis.windings.step(motor, set_point, rotor, supply, time);
-        self.energy.supplied += supplied;
-        self.energy.lost += lost;
+        motor.gear_ratio * torque / steps
     }
 
     /// The motor's angle from the full step of the start [rad], and its speed [rad/s].
@@ -150,8 +228,7 @@ impl StepperPlant {
     /// Samples all sensors at once.
     pub fn sense(&mut self) -> ArmSample<StepSample> {
         let sample = self.arm.sense();
-        // The driver's counter has 32 bits.
-        let steps = self.axes.each_ref().map(|axis| axis.made as i32);
+        let steps = self.wires.counted();
         let counts = Joint::ALL.map(|j| {
             if self.axes[j].motor.encoder {
                 sample.counts[j]
@@ -192,7 +269,8 @@ impl StepperPlant {
             let Axis {
                 motor, windings, ..
             } = &self.axes[j];
-            motor.gear_ratio * windings.torque(motor, self.rotor(j).0)
+            let (angle, speed) = self.rotor(j);
+            motor.gear_ratio * windings.torque(motor, &Rotor::new(motor, angle, speed))
         })
     }
 
@@ -259,14 +337,28 @@ impl Axis {
         }
     }
 
-    /// Makes the micro-steps up to this one.
-    fn make(&mut self, made: i64) {
+    /// Makes the micro-steps up to this one within `time` [s].
+    fn make(&mut self, made: i64, time: f64) {
         let steps = made - self.made;
+        let step = TAU / (f64::from(self.motor.steps_per_turn) * f64::from(self.motor.microsteps));
+        let share = time / (SPEED_FILTER + time);
+        self.field_speed += share * (steps as f64 * step / time - self.field_speed);
         let missed = steps.unsigned_abs().min(self.to_miss.into());
         self.to_miss -= missed as u32;
         self.missed += missed as i64 * steps.signum();
         self.made = made;
+        if steps != 0 {
+            let (sin, cos) = libm::sincos(self.motor.field(self.made - self.missed));
+            self.field = [cos, sin];
+        }
     }
+}
+
+/// The least number of equal parts of a time [s] that are no longer than `longest` [s], and how long each is [s].
+fn equal_parts(time: f64, longest: f64) -> (u32, f64) {
+    // A quotient that is a whole number but for its rounding is that number.
+    let parts = (time / longest - 1e-9).ceil().max(1.0);
+    (parts as u32, time / parts)
 }
 
 /// The steps of a tick that are made after this share of it: edge k of n at (k − ½)/n.

@@ -12,7 +12,10 @@ Keys, names and errors are those of ``fivebar query``.
 """
 
 from ._arm import Arm
+from ._connection import ArmState, LiveArm, connect
 from ._errors import (
+    ControllerError,
+    FaultError,
     FivebarError,
     InvalidError,
     JobError,
@@ -20,6 +23,7 @@ from ._errors import (
     RobotError,
     RunError,
     SingularError,
+    StoppedError,
     StudyError,
     UnreachableError,
 )
@@ -43,8 +47,11 @@ from ._synthesis import Design, design, dexterities
 
 __all__ = [
     "Arm",
+    "ArmState",
+    "ControllerError",
     "Derivatives",
     "Design",
+    "FaultError",
     "FivebarError",
     "Forward",
     "ForwardDynamics",
@@ -54,6 +61,7 @@ __all__ = [
     "InverseDynamics",
     "InverseMotion",
     "JobError",
+    "LiveArm",
     "Motion",
     "NO_MISMATCH",
     "Photo",
@@ -66,10 +74,12 @@ __all__ = [
     "Side",
     "SingularError",
     "Status",
+    "StoppedError",
     "StudyError",
     "Trace",
     "UnreachableError",
     "built_in",
+    "connect",
     "design",
     "dexterities",
     "linkage",

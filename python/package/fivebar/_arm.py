@@ -52,8 +52,9 @@ class Arm(ArmStudies):
     signs (+1 left, −1 right). By default they are the robot's own.
 
     SI units; angles [rad] absolute, counter-clockwise from +x; points [m] in the frame of
-    the base, A at the origin, E on +x. All methods are about C, where links 2 and 3 meet;
-    only :meth:`simulate` uses the tool's offset.
+    the base, A at the origin, E on +x. Methods are about C, where links 2 and 3 meet. Of an arm whose
+    tool is beside C, :meth:`inverse`, :meth:`inverse_motion` and :meth:`jacobian` ask which point is meant:
+    ``point="tool"`` or ``point="c"``. :meth:`simulate` and :meth:`plan` move the tool.
     """
 
     def __init__(
@@ -195,17 +196,17 @@ class Arm(ArmStudies):
     def forward(
         self, theta: ArrayLike, assembly: Optional[SideLike] = None, *, strict: bool = False
     ) -> Forward:
-        """The position of C from the driven angles θ1, θ4.
+        """The positions of C and of the tool from the driven angles θ1, θ4.
 
         theta: θ1, θ4 [rad], shape S + (2,). assembly: ``left`` where C lies left of the
         ray B→D.
         """
         numbers = {"theta": pairs("theta", theta)}
         fields, status = self._ask(
-            _native.forward, numbers, self._assembly(assembly), [(2,), (), (), (), ()], strict
+            _native.forward, numbers, self._assembly(assembly), [(2,), (), (), (), (), (2,)], strict
         )
-        c, theta2, theta3, elbow1, elbow4 = fields
-        return Forward(status, c, theta2, theta3, signs(elbow1), signs(elbow4))
+        c, theta2, theta3, elbow1, elbow4, tool = fields
+        return Forward(status, c, theta2, theta3, signs(elbow1), signs(elbow4), tool)
 
     def inverse(
         self,
@@ -213,11 +214,14 @@ class Arm(ArmStudies):
         elbow1: Optional[SideLike] = None,
         elbow4: Optional[SideLike] = None,
         *,
+        point: Optional[str] = None,
         strict: bool = False,
     ) -> Inverse:
-        """The angles of all links from the position of C.
+        """The angles of all links from the position of C, or of the tool.
 
-        points: C [m], shape S + (2,). elbow1, elbow4: which way each elbow turns.
+        points: C, or the tool [m], shape S + (2,). elbow1, elbow4: which way each elbow turns; with the
+        tool, elbow 1 is between A–B and B–tool. point: ``"c"`` or ``"tool"``; it must be given where the
+        arm's tool is beside C.
 
         >>> arm = Arm.load("benchtop")
         >>> answer = arm.inverse([[0.04, 0.2], [0.5, 0.0]])
@@ -230,7 +234,12 @@ class Arm(ArmStudies):
         """
         numbers = {"points": pairs("points", points)}
         fields, status = self._ask(
-            _native.inverse, numbers, self._elbows(elbow1, elbow4), [()] * 5, strict
+            _native.inverse,
+            numbers,
+            self._elbows(elbow1, elbow4),
+            [()] * 5,
+            strict,
+            self._of_tool(point),
         )
         theta1, theta4, theta2, theta3, assembly = fields
         return Inverse(status, theta1, theta4, theta2, theta3, signs(assembly))
@@ -270,24 +279,29 @@ class Arm(ArmStudies):
         *,
         strict: bool = False,
     ) -> Motion:
-        """Velocities and accelerations of C and of links 2 and 3.
+        """Velocities and accelerations of C, of the tool and of links 2 and 3.
 
         theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,).
         """
         numbers = self._moving(theta, omega, alpha)
-        shapes: List[Tuple[int, ...]] = [(2,), (2,), (2,), (), (), (), ()]
+        shapes: List[Tuple[int, ...]] = [(2,), (2,), (2,), (), (), (), (), (2,), (2,), (2,)]
         fields, status = self._ask(
             _native.motion, numbers, self._assembly(assembly), shapes, strict
         )
         return Motion(status, *fields)
 
     def jacobian(
-        self, theta: ArrayLike, assembly: Optional[SideLike] = None, *, strict: bool = False
+        self,
+        theta: ArrayLike,
+        assembly: Optional[SideLike] = None,
+        *,
+        point: Optional[str] = None,
+        strict: bool = False,
     ) -> Floats:
-        """The derivative of C by the driven joints' angles, ∂(x, y)/∂(θ1, θ4) [m/rad], S + (2, 2).
+        """The derivative of C, or of the tool, by the driven joints' angles, ∂(x, y)/∂(θ1, θ4) [m/rad], S + (2, 2).
 
-        theta [rad]: of joints 1 and 4, S + (2,). NaN where B, C, D are in line. The torques that
-        hold a force F on C are −JᵀF.
+        theta [rad]: of joints 1 and 4, S + (2,). point: as for :meth:`inverse`. NaN where B, C, D are in line.
+        The torques that hold a force F on the point are −JᵀF.
 
         >>> arm = Arm.load("benchtop")
         >>> j = arm.jacobian(arm.home)
@@ -296,10 +310,12 @@ class Arm(ArmStudies):
         True
         """
         theta = np.asarray(theta, dtype=float)
-        columns = [
-            self.motion(theta, unit, assembly=assembly, strict=strict).c_velocity
+        of_tool = self._of_tool(point)
+        moved = [
+            self.motion(theta, unit, assembly=assembly, strict=strict)
             for unit in ((1.0, 0.0), (0.0, 1.0))
         ]
+        columns = [found.tool_velocity if of_tool else found.c_velocity for found in moved]
         return np.stack(columns, axis=-1)
 
     def inverse_motion(
@@ -310,12 +326,13 @@ class Arm(ArmStudies):
         elbow1: Optional[SideLike] = None,
         elbow4: Optional[SideLike] = None,
         *,
+        point: Optional[str] = None,
         strict: bool = False,
     ) -> InverseMotion:
-        """The motion of the links from the motion of C.
+        """The motion of the links from the motion of C, or of the tool.
 
-        points [m], velocity [m/s], acceleration [m/s²]: of C, each S + (2,). A leg that is
-        straight or folded is singular here (type 1).
+        points [m], velocity [m/s], acceleration [m/s²]: of C, or of the tool, each S + (2,). A leg that is
+        straight or folded is singular here (type 1). point: as for :meth:`inverse`.
         """
         numbers = {
             "points": pairs("points", points),
@@ -323,7 +340,12 @@ class Arm(ArmStudies):
             "acceleration": pairs("acceleration", acceleration),
         }
         fields, status = self._ask(
-            _native.inverse_motion, numbers, self._elbows(elbow1, elbow4), [()] * 13, strict
+            _native.inverse_motion,
+            numbers,
+            self._elbows(elbow1, elbow4),
+            [()] * 13,
+            strict,
+            self._of_tool(point),
         )
         names = [f"{letter}{n}" for letter in ("theta", "omega", "alpha") for n in (1, 2, 3, 4)]
         angles = dict(zip(names, fields))
@@ -428,6 +450,7 @@ class Arm(ArmStudies):
         seed: Optional[int] = None,
         computed_torque: Optional[bool] = None,
         mismatch: Optional[Mismatch] = None,
+        tolerance: Optional[float] = None,
         compare_pid: bool = False,
         by_cause: bool = False,
     ) -> Run:
@@ -445,11 +468,13 @@ class Arm(ArmStudies):
         the controller's model: ``link_mass`` and ``friction`` as extra shares, ``payload``
         [kg], ``current_noise`` and ``current_offset`` [ADC codes], and the other keys of a
         scenario's ``[mismatch]`` with their lists (docs/use/robot-file.md); ``fivebar.NO_MISMATCH``
-        for no difference. compare_pid: run it with PID at each joint, too, for
+        for no difference. tolerance: the tip's greatest error of a job that is drawn [m], for ``drawn`` and ``why`` of
+        the summary; by default 1 mm, with hobby servos what they allow. compare_pid: run it with PID at each joint, too, for
         ``summary["pid_tip_error"]``, as the program does. by_cause: with each mismatch alone, too, for
         ``summary["by_cause"]``.
 
-        A fault of the arm ends the run and is part of its result. Raises
+        A fault of the arm ends the run and is part of its result, as is a drawing that is wrong:
+        ``summary["drawn"]`` is then False, and ``summary["why"]`` says why. Raises
         :class:`fivebar.JobError` with the line if the arm cannot do the job,
         :class:`fivebar.RobotError` if the robot cannot be simulated,
         :class:`fivebar.RunError`, or ``OSError``. Ctrl-C stops it.
@@ -461,7 +486,16 @@ class Arm(ArmStudies):
         True
         """
         return run(
-            self._robot, job, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause
+            self._robot,
+            job,
+            origin,
+            scale,
+            seed,
+            computed_torque,
+            mismatch,
+            tolerance,
+            compare_pid,
+            by_cause,
         )
 
     def _ask(
@@ -471,15 +505,30 @@ class Arm(ArmStudies):
         branches: Dict[str, Any],
         shapes: Sequence[Tuple[int, ...]],
         strict: bool,
+        *options: bool,
     ) -> Tuple[List[Floats], Statuses]:
         shape, given, chosen = broadcast(numbers, branches)
         order = dict(zip(numbers, given))
         force = [order.pop("external_force")] if "external_force" in order else []
-        fields, status = question(self._robot, *order.values(), *chosen, *force)
+        fields, status = question(self._robot, *order.values(), *chosen, *force, *options)
         status = status.reshape(shape)
         if strict:
             refuse(status, dict(zip(numbers, given)))
         return [f.reshape(shape + tail) for f, tail in zip(fields, shapes)], status
+
+    def _of_tool(self, point: Optional[str]) -> bool:
+        """Whether a point that is given is the tool's, and not that of C."""
+        if point is None:
+            if any(self.tool_offset):
+                along, left = self.tool_offset
+                raise FivebarError(
+                    f"the tool of {self.name!r} is beside C, {along:g} m along link 2 and {left:g} m to its left: "
+                    "say which point is meant, point='tool' or point='c'"
+                )
+            return False
+        if point not in ("c", "tool"):
+            raise FivebarError(f"point must be 'c' or 'tool', not {point!r}")
+        return point == "tool"
 
     def _moving(self, theta: ArrayLike, omega: ArrayLike, alpha: ArrayLike) -> Dict[str, Floats]:
         given = {"theta": theta, "omega": omega, "alpha": alpha}

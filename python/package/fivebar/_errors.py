@@ -74,3 +74,27 @@ class RunError(FivebarError):
 
 class StudyError(FivebarError):
     """A study that cannot be done, or a description of it that is refused."""
+
+
+class ControllerError(FivebarError):
+    """A controller that refuses a call, or a connection that cannot be made or has ended."""
+
+
+class FaultError(ControllerError):
+    """A fault that the controller has latched: the motors are off, or hold the arm at rest."""
+
+    def __init__(self, message: str, name: str = "", number: int = 0) -> None:
+        super().__init__(message)
+        #: The fault's name.
+        self.name = name
+        #: Its number.
+        self.number = number
+
+
+class StoppedError(ControllerError):
+    """A call that was stopped: the arm rests on its path."""
+
+    def __init__(self, message: str, line: Optional[int] = None) -> None:
+        super().__init__(message)
+        #: The line of the job on which it rests; None outside of a job.
+        self.line = line

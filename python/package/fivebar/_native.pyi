@@ -1,6 +1,6 @@
 """The compiled half: flat arrays in, flat arrays out. Not for users."""
 
-from typing import Any, Dict, List, Optional, Sequence, Tuple, final
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ _Placed = Tuple[str, str, Optional[Sequence[float]], float, float]
 _Answer = Tuple[List[_Numbers], NDArray[np.uint8]]
 
 __all__ = [
+    "Connection",
     "Plant",
     "Robot",
     "Scenario",
@@ -94,6 +95,7 @@ class Scenario:
         seed: Optional[int],
         computed_torque: Optional[bool],
         mismatch: Dict[str, Any],
+        tolerance: Optional[float],
         compare_pid: bool,
         by_cause: bool,
     ) -> Tuple[
@@ -104,6 +106,33 @@ class Scenario:
         Optional[float],
         List[str],
     ]: ...
+
+@final
+class Connection:
+    def __new__(
+        cls, robot: Robot, to: str, image: Optional[str], upload: bool, real_time: bool
+    ) -> Connection: ...
+    @property
+    def place(self) -> str: ...
+    def state(self) -> str: ...
+    def home(self, at: Optional[Sequence[float]], again: bool) -> None: ...
+    def motors_on(self) -> None: ...
+    def motors_off(self) -> None: ...
+    def clear_fault(self) -> None: ...
+    def move_to(self, to: Sequence[float], speed: float) -> None: ...
+    def move_joints(self, to: Sequence[float], speed: float) -> None: ...
+    def set_tool(self, level: float) -> None: ...
+    def draw(
+        self,
+        scenario: Scenario,
+        origin: Optional[Sequence[float]],
+        scale: Optional[float],
+        progress: Optional[Callable[[int, int, Optional[int]], None]],
+        on_pause: Optional[Callable[[str], None]],
+    ) -> List[str]: ...
+    def stop(self) -> None: ...
+    def emergency_stop(self) -> None: ...
+    def close(self) -> None: ...
 
 @final
 class Plant:
@@ -146,7 +175,9 @@ def mode_change(
     robot: Robot, theta: Sequence[float], elbow1: int, elbow4: int
 ) -> List[List[float]]: ...
 def statuses() -> List[Tuple[int, str, str]]: ...
-def inverse(robot: Robot, points: _Numbers, elbow1: _Signs, elbow4: _Signs) -> _Answer: ...
+def inverse(
+    robot: Robot, points: _Numbers, elbow1: _Signs, elbow4: _Signs, of_tool: bool
+) -> _Answer: ...
 def forward(robot: Robot, theta: _Numbers, assembly: _Signs) -> _Answer: ...
 def motion(
     robot: Robot, theta: _Numbers, omega: _Numbers, alpha: _Numbers, assembly: _Signs
@@ -158,6 +189,7 @@ def inverse_motion(
     acceleration: _Numbers,
     elbow1: _Signs,
     elbow4: _Signs,
+    of_tool: bool,
 ) -> _Answer: ...
 def inverse_dynamics(
     robot: Robot,

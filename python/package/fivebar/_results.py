@@ -33,7 +33,7 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class Forward(Answer):
-    """The position of C, with the angles of links 2 and 3."""
+    """The positions of C and of the tool, with the angles of links 2 and 3."""
 
     #: C [m], shape S + (2,).
     c: Floats
@@ -45,6 +45,8 @@ class Forward(Answer):
     elbow1: Signs
     #: Which way elbow 4 turns.
     elbow4: Signs
+    #: The tool [m], shape S + (2,): C, unless the robot's tool is beside it.
+    tool: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +72,7 @@ class Inverse(Answer):
 
 @dataclass(frozen=True, eq=False)
 class Motion(Answer):
-    """The motion of C and of links 2 and 3."""
+    """The motion of C, of the tool and of links 2 and 3."""
 
     #: C [m], shape S + (2,).
     c: Floats
@@ -86,6 +88,12 @@ class Motion(Answer):
     alpha2: Floats
     #: Angular acceleration of link 3 [rad/s²].
     alpha3: Floats
+    #: The tool [m], shape S + (2,): C, unless the robot's tool is beside it.
+    tool: Floats
+    #: Its velocity [m/s], shape S + (2,).
+    tool_velocity: Floats
+    #: Its acceleration [m/s²], shape S + (2,).
+    tool_acceleration: Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,8 +89,8 @@ class Trace:
 class Run:
     """The results of a run."""
 
-    #: The figures of ``fivebar sim --json``: robot, scenario, simulated_s, wall_s, ticks,
-    #: tip_error {rms_m, max_m}, peak_torque_nm [2], saturated_ticks, faults.
+    #: The figures of ``fivebar sim --json``: robot, scenario, drawn, why, worst_m, tolerance_m, simulated_s, wall_s,
+    #: ticks, tip_error {rms_m, max_m}, peak_torque_nm [2], saturated_ticks, faults.
     summary: Dict[str, Any]
     #: The job sample by sample.
     trace: Trace
@@ -112,6 +112,7 @@ def simulate(
     seed: Optional[int] = None,
     computed_torque: Optional[bool] = None,
     mismatch: Optional[Mismatch] = None,
+    tolerance: Optional[float] = None,
     compare_pid: bool = False,
     by_cause: bool = False,
 ) -> Run:
@@ -120,7 +121,9 @@ def simulate(
     The other arguments and the errors are those of :meth:`fivebar.Arm.simulate`.
     """
     scenario = _native.Scenario.of_file(os.fspath(file), None)
-    return _run(scenario, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause)
+    return _run(
+        scenario, origin, scale, seed, computed_torque, mismatch, tolerance, compare_pid, by_cause
+    )
 
 
 def run(
@@ -131,12 +134,15 @@ def run(
     seed: Optional[int],
     computed_torque: Optional[bool],
     mismatch: Optional[Mismatch],
+    tolerance: Optional[float],
     compare_pid: bool,
     by_cause: bool,
 ) -> Run:
     """Runs a job or a scenario with a robot; see :meth:`fivebar.Arm.simulate`."""
     scenario = scenario_of(robot, job)
-    return _run(scenario, origin, scale, seed, computed_torque, mismatch, compare_pid, by_cause)
+    return _run(
+        scenario, origin, scale, seed, computed_torque, mismatch, tolerance, compare_pid, by_cause
+    )
 
 
 def scenario_of(robot: _native.Robot, job: Union[str, os.PathLike[str]]) -> _native.Scenario:
@@ -155,6 +161,7 @@ def _run(
     seed: Optional[int],
     computed_torque: Optional[bool],
     mismatch: Optional[Mismatch],
+    tolerance: Optional[float],
     compare_pid: bool,
     by_cause: bool,
 ) -> Run:
@@ -162,12 +169,15 @@ def _run(
         raise FivebarError(f"origin must be two finite numbers [m], not {origin!r}")
     if scale is not None and not (scale > 0 and math.isfinite(scale)):
         raise FivebarError(f"scale must be a positive finite number, not {scale!r}")
+    if tolerance is not None and not (tolerance > 0 and math.isfinite(tolerance)):
+        raise FivebarError(f"tolerance must be a positive finite length [m], not {tolerance!r}")
     summary, columns, stride, faults, begun, warnings = scenario.run(
         origin=None if origin is None else [float(x) for x in origin],
         scale=scale,
         seed=seed,
         computed_torque=computed_torque,
         mismatch=dict(mismatch or {}),
+        tolerance=tolerance,
         compare_pid=compare_pid,
         by_cause=by_cause,
     )

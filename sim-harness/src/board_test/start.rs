@@ -6,10 +6,6 @@ use crate::link::LinkError;
 use fivebar_firmware::protocol::BoardFacts;
 use std::io::{Read, Write};
 
-/// A right crystal, as the internal oscillator measures it [Hz]: `RIGHT` of firmware/src/board/stm32f405/crystal.rs.
-const CRYSTAL: std::ops::RangeInclusive<u32> = 7_600_000..=8_750_000;
-/// The PLL's multiplier: 8 MHz to 168 MHz.
-const MULTIPLIER: f64 = 21.0;
 /// Five wait states, prefetch, code cache and data cache, in FLASH_ACR.
 const ACCELERATED: u32 = 0x705;
 const ACCELERATION_BITS: u32 = 0x707;
@@ -18,26 +14,24 @@ const FLASH_SIZE: u16 = 1024;
 /// Cycles from one tick to the next, and the greatest error of that.
 const TICK_CYCLES: f64 = 16_800.0;
 const TICK_ERROR: f64 = 0.001;
-/// What to do about a crystal that is not one of 8 MHz.
-pub(super) const FIT_CRYSTAL: &str =
-    "fit a crystal of 8 MHz with its two capacitors, and power the board up again";
+/// What to do about a crystal that the image does not take.
+pub(super) const FIT_CRYSTAL: &str = "fit a crystal of 8, 12 or 16 MHz with its two capacitors, or build the image for one of 24 or 25 MHz \
+     (FIVEBAR_CRYSTAL), and power the board up again";
 
 pub(super) fn crystal(facts: &BoardFacts) -> Row {
     let limit = Limit::new(
         "crystal",
-        "7.60 to 8.75 MHz, measured by the internal oscillator",
-        "the internal oscillator has −8 to +4.5 % (firmware/src/board/stm32f405/crystal.rs)",
+        "8, 12 or 16 MHz −5 to +9.4 %, measured by the internal oscillator; 24 or 25 in an image built for it",
+        "the internal oscillator has −8 to +4.5 % (firmware/src/drivers/crystal.rs)",
     );
     let Some(frequency) = facts.crystal else {
         let why = "the crystal does not start";
         return limit.row("none", Verdict::failed(why, FIT_CRYSTAL));
     };
     let mega = f64::from(frequency) / 1e6;
-    let why = format!(
-        "the crystal has {mega:.1} MHz, not 8; it would run the core at {:.0} MHz",
-        mega * MULTIPLIER
-    );
-    let verdict = Verdict::of(CRYSTAL.contains(&frequency), why, FIT_CRYSTAL);
+    let why =
+        format!("the crystal has {mega:.1} MHz, from which the image does not make its clock");
+    let verdict = Verdict::of(runs_from_crystal(facts), why, FIT_CRYSTAL);
     limit.row(format!("{mega:.3} MHz"), verdict)
 }
 

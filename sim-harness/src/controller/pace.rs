@@ -1,6 +1,6 @@
 //! The controller's time against real time.
 
-use std::thread;
+use crate::clock::{Clock, Sleeper};
 use std::time::{Duration, Instant};
 
 /// Time between two comparisons with the clock.
@@ -17,15 +17,17 @@ pub(super) struct Pacer {
     ticks: u32,
     /// When the next interval begins.
     due: Instant,
+    sleeper: Sleeper,
 }
 
 impl Pacer {
-    /// A pacer for `tick_rate` ticks per second [Hz].
-    pub(super) fn new(tick_rate: f64) -> Self {
+    /// A pacer for `tick_rate` ticks per second of this clock [Hz].
+    pub(super) fn new(tick_rate: f64, clock: &Clock) -> Self {
         Self {
             ticks_per_interval: ((INTERVAL.as_secs_f64() * tick_rate) as u32).max(1),
             ticks: 0,
-            due: Instant::now(),
+            due: clock.now(),
+            sleeper: clock.sleeper(),
         }
     }
 
@@ -37,11 +39,11 @@ impl Pacer {
         }
         self.ticks = 0;
         self.due += INTERVAL;
-        let now = Instant::now();
-        match self.due.checked_duration_since(now) {
-            Some(early) => thread::sleep(early),
-            None if now - self.due > TOO_LATE => self.due = now,
-            None => {}
+        let now = self.sleeper.clock().now();
+        if self.due > now {
+            self.sleeper.sleep_until(self.due);
+        } else if now - self.due > TOO_LATE {
+            self.due = now;
         }
     }
 }
@@ -75,17 +77,38 @@ impl SpeedMeter {
 
 #[cfg(test)]
 mod tests {
-    use super::{Duration, Instant, Pacer, SPAN, SpeedMeter};
+    use super::{Duration, Instant, Pacer, SPAN, SpeedMeter, TOO_LATE};
+    use crate::clock::Clock;
+
+    const MS: Duration = Duration::from_millis(1);
 
     #[test]
-    fn ticks_are_not_faster_than_real_time() {
-        let start = Instant::now();
-        let mut pace = Pacer::new(10_000.0);
+    fn ticks_keep_the_time_of_their_clock() {
+        let clock = Clock::simulated();
+        let start = clock.now();
+        let mut pace = Pacer::new(10_000.0, &clock);
         for _ in 0..500 {
             pace.tick();
         }
-        // A busy machine may take longer, never shorter.
-        assert!(start.elapsed() >= Duration::from_millis(49));
+        assert_eq!(clock.since(start), 50 * MS);
+    }
+
+    /// Other work takes a part of each millisecond, then more than a simulation may be late by.
+    #[test]
+    fn a_short_delay_is_made_up_for_and_a_long_one_is_not() {
+        let clock = Clock::simulated();
+        let start = clock.now();
+        let mut pace = Pacer::new(10_000.0, &clock);
+        for _ in 0..10 {
+            clock.sleep(MS / 2);
+            (0..10).for_each(|_| pace.tick());
+        }
+        assert_eq!(clock.since(start), 10 * MS);
+        let late = TOO_LATE + 5 * MS;
+        clock.sleep(late);
+        (0..100).for_each(|_| pace.tick());
+        // The interval during which it was late has passed by then.
+        assert_eq!(clock.since(start), 10 * MS + late + 9 * MS);
     }
 
     #[test]

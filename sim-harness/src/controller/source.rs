@@ -1,9 +1,11 @@
 //! The controller that is chosen: simulated, emulated, or on a port.
 
 use super::session::Session;
-use super::simulated::{self, SteppedArm};
+use super::simulated;
+use crate::clock::Clock;
 use crate::drive::{Drive, DriveError};
 use crate::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine, motors_of};
+use crate::machine::Machine;
 use crate::simulation::RunError;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::protocol::{Board, CommandError};
@@ -14,7 +16,7 @@ use std::path::Path;
 /// Where the controller runs.
 #[derive(Clone, Copy, Debug)]
 pub enum ControllerSource<'a> {
-    /// A controller in this process with the simulated arm in real time.
+    /// A controller in this process with the simulated arm, whose time is the clock's.
     Simulated,
     /// This firmware image on an emulated board, with the simulated arm.
     Emulated(&'a Path),
@@ -48,11 +50,15 @@ pub enum OpenError {
     #[error("the emulated board refuses the robot's settings: {0}")]
     Refused(CommandError),
     /// The controller is for motors of another kind, these.
-    #[error(
-        "the controller is for {0} and the robot has brushed motors; \
-         write the image `stm32f405` to the board"
-    )]
-    ForOthers(&'static str),
+    #[error("the controller is for {controller} and the robot has {robot}; {instead}")]
+    ForOthers {
+        /// What the controller drives.
+        controller: &'static str,
+        /// What the robot has.
+        robot: &'static str,
+        /// The way out.
+        instead: String,
+    },
     /// The controller does not reply.
     #[error(transparent)]
     Link(#[from] LinkError),
@@ -66,36 +72,46 @@ pub trait Connection: Read + Write + Send {}
 impl<L: Read + Write + Send> Connection for L {}
 
 /// Opens the controller and makes sure that it has the robot's settings. Returns the session with it,
-/// and where it runs.
+/// which keeps the time of `clock`, and where it runs.
 ///
 /// # Errors
 /// The port cannot be opened, the robot cannot be simulated, or the controller has settings for
 /// another arm or does not reply.
-pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, String), OpenError> {
-    robot.brushed().map_err(RunError::from)?;
+pub fn open(
+    robot: &Robot,
+    source: ControllerSource<'_>,
+    clock: &Clock,
+) -> Result<(Session, String), OpenError> {
+    let machine = Machine::of(robot.drive_kind());
     let line: Box<dyn Connection> = match source {
-        ControllerSource::Simulated => Box::new(simulated::line(robot)?),
+        ControllerSource::Simulated => simulated::line(robot, clock)?,
         ControllerSource::Emulated(image) => Box::new(Emulator::start(image)?),
         ControllerSource::Port { name, .. } => Box::new(SerialLine::open(name)?),
     };
     let (mut client, identity) = Client::open(line)?;
+    if !machine.fits(identity.board) {
+        return Err(OpenError::ForOthers {
+            controller: motors_of(identity.board),
+            robot: machine.motors,
+            instead: match machine.board {
+                Some(image) => format!("write the image `{image}` to the board"),
+                None => {
+                    "no image drives them yet: leave out --port, and the arm is simulated".into()
+                }
+            },
+        });
+    }
     let settings = robot.settings().map_err(RunError::from)?.check()?;
     let (place, stepped) = match identity.board {
-        Board::Emulated => {
+        Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan => {
             let answer = client.write_settings(&settings)?;
             answer.map_err(OpenError::Refused)?;
             (
                 "emulated controller, simulated arm",
-                Some(SteppedArm::new(robot)?),
+                Some(simulated::stepped(robot, clock)?),
             )
         }
-        board @ (Board::Stm32f405Stepper
-        | Board::Stm32f405Can
-        | Board::EmulatedStepper
-        | Board::EmulatedCan) => {
-            return Err(OpenError::ForOthers(motors_of(board)));
-        }
-        Board::Desktop | Board::Stm32f405 => {
+        Board::Desktop | Board::Stm32f405 | Board::Stm32f405Stepper | Board::Stm32f405Can => {
             let mut drive = Drive::new(&mut client, &|| false);
             match source {
                 ControllerSource::Port { upload: true, .. } => drive.store_settings(&settings)?,
@@ -107,5 +123,6 @@ pub fn open(robot: &Robot, source: ControllerSource<'_>) -> Result<(Session, Str
             }
         }
     };
-    Ok((Session::new(client, stepped, settings)?, place.into()))
+    let session = Session::new(client, stepped, settings, clock.clone())?;
+    Ok((session, place.into()))
 }

@@ -6,7 +6,7 @@ use crate::time_optimal::TimeOptimalError;
 use fivebar_files::scenario::RefusedModeChange;
 use fivebar_firmware::planner::MoveError;
 use fivebar_firmware::protocol::{CommandError, SectionKey};
-use fivebar_firmware::safety::Fault;
+use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::SettingsError;
 
 /// Why a job was not driven to its end.
@@ -59,6 +59,14 @@ pub enum DriveError {
     /// Homing did not find the switches.
     #[error("the joints did not find their home switches within 60 s")]
     NeverHomed,
+    /// The arm stands in this state, and its moves are not done.
+    #[error(
+        "the arm has stood still for 10 s, and its moves are not done: the controller is {_0:?}; let no other program command it"
+    )]
+    NeverDone(State),
+    /// The place of the arm is not known.
+    #[error("the joint angles are unknown: home first")]
+    NotHomed,
     /// No pose on the branch has the measured angles.
     #[error(
         "no pose on the arm's branch has the measured joint angles, so the position of the tool \

@@ -57,9 +57,16 @@ pub enum LearningError {
     Home(#[from] HomeError),
     /// Steppers and hobby servos have no encoders.
     #[error(
-        "learning needs encoders, and {0} has none: leave out --learn, or give the robot brushed motors"
+        "runs are compared by what encoders see, and {0} has none: leave out --repeat and --learn, or give the robot \
+         brushed motors"
     )]
     NoEncoders(&'static str),
+    /// Drives on a CAN bus close a part of the loop.
+    #[error(
+        "learning needs the response of the position loop, and drives on a CAN bus close a part of it: leave out --learn; \
+         --repeat alone shows which part of the error repeats"
+    )]
+    LoopOfDrives,
     /// The tool's power follows its speed.
     #[error(
         "the tool's power follows its speed (`scale_with_speed`), so it needs the job's feed rates, and a job that is \

@@ -7,7 +7,7 @@ use super::memory::{Digest, Memory};
 use super::sensors::Sensors;
 use super::shift::{Errors, Learnt};
 use super::timed_path::{Shown, TimedPath};
-use crate::simulation::{Record, RunError, RunErrors, Simulate, Summary, TipError};
+use crate::simulation::{Record, RunError, RunErrors, Simulate, Summary, TipError, Verdict};
 use fivebar_files::job::Job;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Move;
@@ -49,6 +49,9 @@ pub struct Repetition {
     pub settled: Option<usize>,
     /// Why learning ended early.
     pub ended: Option<Ended>,
+    /// The first run that did not draw the job, from 1: of all runs without learning; with it only a run that ended in a
+    /// fault, because the shift of a worse run is undone.
+    pub failed: Option<(usize, Verdict)>,
     /// What was learnt.
     pub memory: Option<Memory>,
 }
@@ -92,6 +95,9 @@ pub fn repeat(
     if robot.hobby_servos().is_some() {
         return Err(LearningError::NoEncoders("a hobby servo"));
     }
+    if learn && robot.can_drives().is_some() {
+        return Err(LearningError::LoopOfDrives);
+    }
     let plain = scenario.run_moves(job)?;
     let digest = Digest::new(scenario, &plain)?;
     let filter = match learn {
@@ -116,6 +122,7 @@ pub fn repeat(
         last: (found.best.summary, found.best.record),
         filter,
         ended: found.ended,
+        failed: found.failed,
         memory: found
             .followed
             .filter(|_| filter.is_some())
@@ -131,6 +138,8 @@ pub(super) struct Found {
     /// What the best run followed: a shift that was never tried is not kept.
     pub(super) followed: Option<Learnt>,
     pub(super) ended: Option<Ended>,
+    /// The first run that did not draw the job: see [`Repetition`].
+    pub(super) failed: Option<(usize, Verdict)>,
 }
 
 /// Runs and, with a filter, learns from run to run until one diverges.
@@ -143,7 +152,7 @@ pub(super) fn runs_of(
 ) -> Result<Found, LearningError> {
     let (mut all, mut seen) = (Vec::<RunErrors>::new(), Vec::new());
     let mut best: Option<(Run, Option<Learnt>)> = None;
-    let mut ended = None;
+    let (mut ended, mut failed) = (None, None);
     for _ in 0..runs.max(1) {
         let first = all.first().filter(|_| filter.is_some());
         let greatest = first.map_or(f64::INFINITY, |first| STOPPED * first.sensed.max_m);
@@ -160,6 +169,10 @@ pub(super) fn runs_of(
         let rms = run.errors.sensed.rms_m;
         let worse = filter.is_some() && least.is_some_and(|least| rms > WORSE * least);
         let fault = run.record.faults.first().map(|&(_, fault)| fault);
+        let verdict = &run.summary.verdict;
+        if failed.is_none() && !verdict.drawn && (filter.is_none() || fault.is_some()) {
+            failed = Some((all.len(), verdict.clone()));
+        }
         if fault.is_some() || run.stopped || worse {
             ended = Some(fault.map_or(Ended::Diverged, Ended::Fault));
             if best.is_none() {
@@ -188,6 +201,7 @@ pub(super) fn runs_of(
         best,
         followed,
         ended,
+        failed,
     })
 }
 
@@ -219,6 +233,7 @@ impl Repeats for SimulatedRuns<'_> {
         let (summary, record) = scenario.run_watched(&moves, &mut follower, self.progress)?;
         Ok(Run {
             errors: RunErrors {
+                drawn: summary.verdict.drawn,
                 rms_m: summary.tip_error.rms_m,
                 max_m: summary.tip_error.max_m,
                 placed: summary.tip_error_placed,

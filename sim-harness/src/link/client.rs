@@ -2,7 +2,7 @@
 //! repeats it until the reply arrives.
 
 use super::READ;
-use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
+use fivebar_firmware::drives::{BrushedCommand, BrushedSample, DriveInterface};
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, LinkCounts,
     Reply, SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION, encode,
@@ -13,7 +13,6 @@ use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
 use std::fmt::Debug;
 use std::io::{self, ErrorKind, Read, Write};
-use std::marker::PhantomData;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -36,18 +35,17 @@ fn waits() -> impl Iterator<Item = Duration> {
 }
 
 /// A client of a controller over the connection `L`, whose reads time out
-/// ([`ErrorKind::TimedOut`]). In lockstep, it sends samples of drives `S` and gets their commands `C`.
+/// ([`ErrorKind::TimedOut`]).
 #[derive(Debug)]
-pub struct Client<L, S = BrushedSample, C = BrushedCommand> {
+pub struct Client<L> {
     line: L,
-    decoder: Decoder<ControllerMessage<C>>,
+    decoder: Decoder<ControllerMessage>,
     last: Sequence,
     telemetry: VecDeque<Telemetry>,
     unread: VecDeque<u8>,
     repeats: u32,
     /// The time by which it waits for replies, from any beginning.
     clock: fn(&L) -> Duration,
-    sample: PhantomData<fn(S)>,
 }
 
 /// Why there is no usable reply.
@@ -86,7 +84,7 @@ impl<L: Read + Write> Client<L> {
     /// # Errors
     /// A silent controller, a failed connection, or another version of the protocol.
     pub fn open(line: L) -> Result<(Self, Identity), LinkError> {
-        Self::open_in_lockstep(line)
+        Self::open_with_clock(line, computer_time)
     }
 
     /// As [`Client::open`], with waits by the time of a simulated controller: a computer that is too
@@ -98,25 +96,6 @@ impl<L: Read + Write> Client<L> {
         line: L,
         clock: fn(&L) -> Duration,
     ) -> Result<(Self, Identity), LinkError> {
-        Self::begin(line, clock)
-    }
-}
-
-impl<L, S, C> Client<L, S, C>
-where
-    L: Read + Write,
-    S: Copy + Debug + Serialize + DeserializeOwned,
-    C: Debug + Serialize + DeserializeOwned,
-{
-    /// As [`Client::open`], to a board of these drives whose ticks the host steps.
-    ///
-    /// # Errors
-    /// As [`Client::open`].
-    pub fn open_in_lockstep(line: L) -> Result<(Self, Identity), LinkError> {
-        Self::begin(line, computer_time)
-    }
-
-    fn begin(line: L, clock: fn(&L) -> Duration) -> Result<(Self, Identity), LinkError> {
         let mut client = Self {
             line,
             decoder: Decoder::new(),
@@ -125,7 +104,6 @@ where
             unread: VecDeque::new(),
             repeats: 0,
             clock,
-            sample: PhantomData,
         };
         let hello = HostCommand::Hello {
             version: VERSION,
@@ -143,7 +121,19 @@ where
     ///
     /// # Errors
     /// A silent controller or a failed connection.
-    pub fn call(&mut self, command: HostCommand<S>) -> Result<Reply<C>, LinkError> {
+    pub fn call(&mut self, command: HostCommand) -> Result<Reply, LinkError> {
+        self.exchange::<BrushedSample, BrushedCommand>(command)
+    }
+
+    /// As [`Client::call`], where a tick has a sample `S` and a command `C`.
+    ///
+    /// # Errors
+    /// As [`Client::call`].
+    pub fn exchange<S, C>(&mut self, command: HostCommand<S>) -> Result<Reply<C>, LinkError>
+    where
+        S: Serialize + DeserializeOwned,
+        C: Serialize + DeserializeOwned,
+    {
         let sequence = self.last.next();
         let message = HostMessage { sequence, command };
         let frame = encode(&message).ok_or_else(|| {
@@ -166,10 +156,7 @@ where
     /// # Errors
     /// A silent controller, a failed connection or an unexpected reply. A refusal is the
     /// inner error.
-    pub fn command(
-        &mut self,
-        command: HostCommand<S>,
-    ) -> Result<Result<(), CommandError>, LinkError> {
+    pub fn command(&mut self, command: HostCommand) -> Result<Result<(), CommandError>, LinkError> {
         match self.call(command)? {
             Reply::Done | Reply::Taken { .. } => Ok(Ok(())),
             Reply::Refused(error) => Ok(Err(error)),
@@ -184,7 +171,7 @@ where
     pub fn status(&mut self) -> Result<(Status, u8), LinkError> {
         match self.call(HostCommand::Status)? {
             Reply::Status { status, free } => Ok((status, free)),
-            other => Err(unexpected(&HostCommand::<S>::Status, &other)),
+            other => Err(unexpected(&HostCommand::<BrushedSample>::Status, &other)),
         }
     }
 
@@ -192,9 +179,12 @@ where
     ///
     /// # Errors
     /// A silent controller, a failed connection, or a board with its own clock.
-    pub fn tick(&mut self, sample: ArmSample<S>) -> Result<StepResult<C>, LinkError> {
+    pub fn tick<I: DriveInterface>(
+        &mut self,
+        sample: ArmSample<I::Sample>,
+    ) -> Result<StepResult<I::Command>, LinkError> {
         let command = HostCommand::Tick(sample);
-        match self.call(command)? {
+        match self.exchange(command)? {
             Reply::StepResult(result) => Ok(result),
             other => Err(unexpected(&command, &other)),
         }
@@ -208,7 +198,7 @@ where
         match self.call(HostCommand::Stack)? {
             Reply::Stack(used) => Ok(Some(used)),
             Reply::Refused(CommandError::Unsupported) => Ok(None),
-            other => Err(unexpected(&HostCommand::<S>::Stack, &other)),
+            other => Err(unexpected(&HostCommand::<BrushedSample>::Stack, &other)),
         }
     }
 
@@ -221,7 +211,7 @@ where
         match self.call(HostCommand::Sample)? {
             Reply::Sample(sample) => Ok(Some(sample)),
             Reply::Refused(CommandError::Unsupported) => Ok(None),
-            other => Err(unexpected(&HostCommand::<S>::Sample, &other)),
+            other => Err(unexpected(&HostCommand::<BrushedSample>::Sample, &other)),
         }
     }
 
@@ -261,7 +251,7 @@ where
     /// # Errors
     /// A failed connection.
     pub fn poll(&mut self) -> Result<(), LinkError> {
-        if let Some(ControllerMessage::Telemetry(sample)) = self.next_message()? {
+        if let Some(ControllerMessage::Telemetry(sample)) = self.next_message::<BrushedCommand>()? {
             self.telemetry.push_back(sample);
         }
         Ok(())
@@ -288,7 +278,7 @@ where
     }
 
     /// The reply with this sequence number; none if it does not arrive within `wait`.
-    fn reply_to(
+    fn reply_to<C: Serialize + DeserializeOwned>(
         &mut self,
         sequence: Sequence,
         wait: Duration,
@@ -298,7 +288,7 @@ where
         let max_idle_reads = wait.as_millis() / READ.as_millis();
         let mut idle_reads = 0;
         while (self.clock)(&self.line) < deadline && idle_reads < max_idle_reads {
-            match self.next_message()? {
+            match self.next_message::<C>()? {
                 Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
                     return Ok(Some(reply));
                 }
@@ -312,9 +302,11 @@ where
     }
 
     /// The next whole message; none if a read times out first.
-    fn next_message(&mut self) -> Result<Option<ControllerMessage<C>>, LinkError> {
+    fn next_message<C: Serialize + DeserializeOwned>(
+        &mut self,
+    ) -> Result<Option<ControllerMessage<C>>, LinkError> {
         while let Some(byte) = self.unread.pop_front() {
-            if let Some(Ok(message)) = self.decoder.feed(byte) {
+            if let Some(Ok(message)) = self.decoder.feed_as(byte) {
                 return Ok(Some(message));
             }
         }

@@ -1,6 +1,6 @@
 //! The controller in this process.
 
-use super::{Target, TargetError};
+use super::{DesktopDrives, Target, TargetError};
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::{BrushedDrives, DriveInterface};
 use fivebar_firmware::planner::{MoveErrorKind, Planner};
@@ -9,33 +9,77 @@ use fivebar_firmware::settings::{SettingsError, Share};
 use fivebar_firmware::{ArmCommand, ArmSample, Move, Settings, Status};
 
 /// The firmware's controller and planner, called directly.
-pub struct InProcess<I: DriveInterface = BrushedDrives> {
+pub struct InProcess<I: DesktopDrives = BrushedDrives>(Box<dyn Called<I>>);
+
+/// A controller of an [`InProcess`].
+pub trait Called<I: DriveInterface>: Target<I> + Send {
+    /// The level, as a share, that an output of the tool stands for.
+    fn tool_level(&self, output: Share) -> f32;
+}
+
+/// The controller with its planner and what lies between it and the wires.
+struct Firmware<I: DriveInterface> {
     controller: ArmController<I::Drives>,
     planner: Planner,
     link: I::Link,
 }
 
-impl<I: DriveInterface> InProcess<I> {
+/// A controller with these settings, as after a reset.
+pub(super) fn called<I>(settings: &Settings) -> Result<Box<dyn Called<I>>, SettingsError>
+where
+    I: DriveInterface<Drives: Send> + 'static,
+{
+    let settings = settings.check()?;
+    Ok(Box::new(Firmware::<I> {
+        controller: ArmController::new(&settings),
+        planner: Planner::new(&settings),
+        link: I::link(&settings),
+    }))
+}
+
+impl<I: DesktopDrives> InProcess<I> {
     /// A controller with these settings, as after a reset.
     ///
     /// # Errors
     /// The first setting that is not valid.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
-        let settings = settings.check()?;
-        Ok(Self {
-            controller: ArmController::new(&settings),
-            planner: Planner::new(&settings),
-            link: I::link(&settings),
-        })
+        I::called(settings).map(Self)
     }
 
     /// The level, as a share, that an output of the tool stands for.
     pub(super) fn tool_level(&self, output: Share) -> f32 {
+        self.0.tool_level(output)
+    }
+}
+
+impl<I: DesktopDrives> Target<I> for InProcess<I> {
+    fn tick(
+        &mut self,
+        sample: &ArmSample<I::Sample>,
+    ) -> Result<(ArmCommand<I::Command>, Status), TargetError> {
+        self.0.tick(sample)
+    }
+
+    fn request(&mut self, request: Request) -> Result<(), TargetError> {
+        self.0.request(request)
+    }
+
+    fn offer(&mut self, next: &Move) -> Result<bool, TargetError> {
+        self.0.offer(next)
+    }
+
+    fn is_idle(&self) -> bool {
+        self.0.is_idle()
+    }
+}
+
+impl<I: DriveInterface<Drives: Send>> Called<I> for Firmware<I> {
+    fn tool_level(&self, output: Share) -> f32 {
         self.controller.settings().tool_output.level(output)
     }
 }
 
-impl<I: DriveInterface> Target<I> for InProcess<I> {
+impl<I: DriveInterface> Target<I> for Firmware<I> {
     fn tick(
         &mut self,
         sample: &ArmSample<I::Sample>,

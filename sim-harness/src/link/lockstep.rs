@@ -22,7 +22,7 @@ const LONGEST_SILENCE: f32 = 0.04;
 
 /// A [`Target`] that runs each tick at the other end and in the twin, and compares them.
 pub struct Lockstep<L, I: EmulatedDrives = BrushedDrives> {
-    client: Client<L, I::Sample, I::Command>,
+    client: Client<L>,
     twin: InProcess<I>,
     silence: u32,
     /// [`LONGEST_SILENCE`] [ticks].
@@ -93,9 +93,9 @@ impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
         twin: &Settings,
     ) -> Result<(Self, Identity), LockstepError> {
         let twin = InProcess::new(twin)?;
-        let (mut client, identity) = Client::open_in_lockstep(line)?;
+        let (mut client, identity) = Client::open(line)?;
         let motors = motors_of(identity.board);
-        if motors != motors_of(I::BOARD) {
+        if identity.board != Board::Desktop && motors != motors_of(I::BOARD) {
             return Err(LockstepError::ForOthers(motors, I::IMAGE));
         }
         // Checked before the settings change; applying settings resets what this tick did.
@@ -103,8 +103,9 @@ impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
             // They know samples of brushed motors only.
             Board::Stm32f405 | Board::Stm32f405Stepper | Board::Stm32f405Can => false,
             Board::Desktop | Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan => {
-                let tick = client.call(HostCommand::Tick(ArmSample::default()))?;
-                !matches!(tick, Reply::Refused(CommandError::Unsupported))
+                let tick = HostCommand::Tick(ArmSample::<I::Sample>::default());
+                let reply = client.exchange::<_, I::Command>(tick)?;
+                !matches!(reply, Reply::Refused(CommandError::Unsupported))
             }
         };
         if !is_stepped {
@@ -141,13 +142,13 @@ impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
     }
 
     /// The client of the other end.
-    pub fn client(&mut self) -> &mut Client<L, I::Sample, I::Command> {
+    pub fn client(&mut self) -> &mut Client<L> {
         &mut self.client
     }
 
     fn call(&mut self, command: HostCommand<I::Sample>) -> Result<Reply<I::Command>, TargetError> {
         self.silence = 0;
-        Ok(self.client.call(command)?)
+        Ok(self.client.exchange(command)?)
     }
 
     fn note_difference(&mut self, difference: Option<(&'static str, String, String)>) {
@@ -182,7 +183,7 @@ impl<L: Read + Write, I: EmulatedDrives> Target<I> for Lockstep<L, I> {
         if self.silence >= self.longest_silence {
             self.call(HostCommand::Status)?;
         }
-        let there = match self.client.call(HostCommand::Tick(*sample))? {
+        let there = match self.client.exchange(HostCommand::Tick(*sample))? {
             Reply::StepResult(result) => result,
             reply => return Err(unexpected(&reply)),
         };

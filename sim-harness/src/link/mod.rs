@@ -22,12 +22,12 @@ mod tracer;
 use std::time::Duration;
 
 pub use client::{Client, LinkError};
-pub use emulated_drives::{EmulatedDrives, motors_of};
+pub use emulated_drives::{DesktopDrives, EmulatedDrives, motors_of};
 pub use emulator::{Emulator, EmulatorError};
 pub use fault_injector::{FaultInjector, FaultRates};
-pub use in_process::InProcess;
+pub use in_process::{Called, InProcess};
 pub use lockstep::{Difference, Instructions, Lockstep, LockstepError};
-pub use loopback::{Loopback, Plant};
+pub use loopback::{Desk, Loopback, Plant};
 #[cfg(not(target_family = "wasm"))]
 pub use serial::{BAUD, PortError, SerialLine};
 pub use target::{Target, TargetError};

@@ -1,11 +1,11 @@
 //! Runs on an arm whose drives are on a CAN bus.
 
-use super::{RunError, SimulatedArm, SimulatedDrives, prepared};
+use super::{ByHand, RunError, SimulatedArm, SimulatedDrives, prepared};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::can::{BusCommand, BusDrives, BusSample, Frame};
 use fivebar_firmware::{ArmCommand, ArmSample};
-use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{CanPlant, PlantFault};
+use fivebar_kinematics::five_bar::{Joint, Pose};
+use fivebar_plant::{CanPlant, Plant, PlantFault};
 
 impl SimulatedDrives for BusDrives {
     type Arm = CanPlant;
@@ -17,10 +17,27 @@ impl SimulatedDrives for BusDrives {
         let (pose, parameters) = prepared(scenario)?;
         let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
         let mut plant = CanPlant::new(&parameters, bus, mismatch, &pose, seed);
+        plant.rewire(&scenario.wiring);
         for &fault in &scenario.initial_faults {
             plant.arm_mut().inject(fault);
         }
         Ok(plant)
+    }
+}
+
+impl ByHand for CanPlant {
+    fn plant(&self) -> &Plant {
+        self.arm()
+    }
+
+    fn plant_mut(&mut self) -> &mut Plant {
+        self.arm_mut()
+    }
+
+    /// The drives answer meanwhile.
+    fn hold_by_hand(&mut self, pose: &Pose<f64>, command: &ArmCommand<BusCommand>, period: f64) {
+        self.arm_mut().hold_by_hand(pose, 0.0);
+        SimulatedArm::step(self, command, period);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The loop of a run: sense, tick and step, through homing, arming and the moves.
 
-use super::{JointHistory, Sample, SimulatedArm, TipError, Trace};
+use super::{Drawing, JointHistory, Sample, SimulatedArm, TipError, Trace, WorstError};
 use crate::link::{Target, TargetError};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::{Fault, State};
@@ -35,6 +35,10 @@ pub struct Record {
     pub tip_error: TipError,
     /// What is left of it after the best shift and turn of the whole drawing, over the trace's samples.
     pub tip_error_placed: TipError,
+    /// The tip while the job was drawn.
+    pub drawing: Drawing,
+    /// The whole job was done: no fault and nobody who watched ended it early.
+    pub finished: bool,
     /// Greatest torque of each motor, at its joint [N·m].
     pub peak_torque: [f64; 2],
     /// Ticks of the job in which a torque was limited.
@@ -83,6 +87,8 @@ struct JobSums {
     ticks: u64,
     /// Sum of the squared tip errors [m²].
     squares: f64,
+    /// The reference of the last tick, if the tool was down [m].
+    drawn_reference: Option<[f64; 2]>,
 }
 
 impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
@@ -129,6 +135,7 @@ impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
             self.plant.schedule_faults(faults);
             self.run_moves(moves, progress)?;
             self.record.job_time = self.record.begun.map(|begun| self.now() - begun);
+            self.record.finished = !self.stopped && self.record.faults.is_empty();
         }
         self.ended = true;
         self.pause(AFTERMATH)?;
@@ -142,7 +149,7 @@ impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
             if !self.record.faults.is_empty() {
                 return Ok(false);
             }
-            if status.homed && status.state == State::Stopped {
+            if status.homed && matches!(status.state, State::Stopped | State::Armed) {
                 self.pause(SETTLING)?;
                 return Ok(true);
             }
@@ -275,6 +282,29 @@ impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
             record.saturated_ticks += u64::from(sample.saturated);
             self.job.ticks += 1;
             self.job.squares += error * error;
+            self.record_drawing(&sample);
+        }
+    }
+
+    /// Records the tip error of a tick of the job, and the speed of a drawn line.
+    fn record_drawing(&mut self, sample: &Sample) {
+        let drawing = &mut self.record.drawing;
+        let error = WorstError {
+            error: sample.tip_error(),
+            time: sample.time,
+            line: sample.line,
+        };
+        drawing.whole = drawing.whole.or(error);
+        drawing.end = error;
+        let before = self.job.drawn_reference.take();
+        if sample.tool_level > 0.0 {
+            drawing.down = Some(drawing.down.map_or(error, |worst| worst.or(error)));
+            if let Some([x, y]) = before {
+                let [to_x, to_y] = sample.reference;
+                let speed = (to_x - x).hypot(to_y - y) / self.period;
+                drawing.speed = drawing.speed.max(speed);
+            }
+            self.job.drawn_reference = Some(sample.reference);
         }
     }
 

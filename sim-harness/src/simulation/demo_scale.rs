@@ -23,6 +23,9 @@ pub enum DemoScaleError {
     /// A fault stopped the arm.
     #[error("a fault stopped the arm")]
     Stopped(Box<Scenario>, Box<Record>),
+    /// The arm drew it wrong.
+    #[error("{0}")]
+    NotDrawn(String),
 }
 
 /// See [`Simulate::fit`].
@@ -40,7 +43,7 @@ pub(super) fn fit(scenario: &mut Scenario) -> Result<(), RunError> {
 }
 
 /// The greatest of a few scales at which the controller accepts the demonstration, if the
-/// arm draws it at this scale in simulation.
+/// arm draws it at this scale in simulation, without a fault and within the tolerance.
 ///
 /// # Errors
 /// The reason if it does so at no scale.
@@ -54,8 +57,13 @@ pub fn find_demo_scale(robot: &Robot) -> Result<f64, DemoScaleError> {
     }
     let job = scenario.job()?;
     match scenario.simulate(&job, &mut |_| ()) {
-        Ok((_, record)) if record.faults.is_empty() => Ok(scenario.scale),
-        Ok((_, record)) => Err(DemoScaleError::Stopped(scenario, Box::new(record))),
+        Ok((_, record)) if !record.faults.is_empty() => {
+            Err(DemoScaleError::Stopped(scenario, Box::new(record)))
+        }
+        Ok((summary, _)) => match summary.verdict.why {
+            None => Ok(scenario.scale),
+            Some(why) => Err(DemoScaleError::NotDrawn(why)),
+        },
         Err(error) => Err(DemoScaleError::Run(scenario, error)),
     }
 }

@@ -1,13 +1,23 @@
 //! Runs on an arm with hobby servos. Their controller is that of stepper drives, whose micro-steps are units of the timer
 //! that makes the pulses: it takes the place that a servo is told for the place where it is.
 
-use super::{RunError, ServoLimits, SimulatedArm, prepared};
+use super::{ByHand, RunError, SimulatedArm, prepared};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
 use fivebar_firmware::{ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{HobbyServo, HobbyServoPlant, PlantFault};
+use fivebar_plant::{HobbyServoPlant, Plant, PlantFault};
+use serde::Serialize;
+
+/// How far hobby servos are from their set-points, whatever their controller does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ServoLimits {
+    /// The dead band at the tool with a straight leg, of the worse joint [m].
+    pub dead_band_m: f64,
+    /// The longest time from a set-point until the joint is there, of the worse joint [s].
+    pub late_s: f64,
+}
 
 /// What this robot's servos leave of any drawing.
 pub(super) fn limits(robot: &Robot) -> Option<ServoLimits> {
@@ -26,17 +36,28 @@ pub(super) fn limits(robot: &Robot) -> Option<ServoLimits> {
 
 /// The simulated arm, as [`Simulate::plant`](super::Simulate::plant) has it with brushed motors: a hand has put it near its
 /// home angles.
-pub(super) fn plant(
-    scenario: &Scenario,
-    servos: &[HobbyServo; 2],
-) -> Result<HobbyServoPlant, RunError> {
+pub(super) fn plant(scenario: &Scenario) -> Result<HobbyServoPlant, RunError> {
+    let robot = &scenario.robot;
+    let servos = robot.hobby_servos();
+    let servos = servos.ok_or_else(|| RunError::NoServos(robot.name.clone()))?;
     let (pose, parameters) = prepared(scenario)?;
     let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
-    let mut plant = HobbyServoPlant::new(&parameters, servos, mismatch, &pose, seed);
+    let mut plant = HobbyServoPlant::new(&parameters, &servos, mismatch, &pose, seed);
+    plant.rewire(&scenario.wiring);
     for &fault in &scenario.initial_faults {
         plant.arm_mut().inject(fault);
     }
     Ok(plant)
+}
+
+impl ByHand for HobbyServoPlant {
+    fn plant(&self) -> &Plant {
+        self.arm()
+    }
+
+    fn plant_mut(&mut self) -> &mut Plant {
+        self.arm_mut()
+    }
 }
 
 impl SimulatedArm for HobbyServoPlant {

@@ -5,31 +5,36 @@ mod by_cause;
 mod can_bus;
 mod control_loop;
 mod demo_scale;
+mod drawing;
 mod hobby_servos;
 mod joints;
 mod steppers;
 mod summary;
+mod tip_error;
 mod trace;
+mod verdict;
 
-pub use arm::{SimulatedArm, SimulatedDrives};
+pub use arm::{ByHand, SimulatedArm, SimulatedDrives, WithArm, with_arm};
 pub use by_cause::CauseError;
 pub use control_loop::{Record, Seen, Simulation, Watch};
 pub use demo_scale::{DemoScaleError, find_demo_scale};
+pub use drawing::{Drawing, WorstError};
+pub use hobby_servos::ServoLimits;
 pub use joints::{JointHistory, PeakForce};
-pub use summary::{LearningSummary, RunErrors, ServoLimits, Summary, TipError, fault_name};
+pub use summary::{LearningSummary, RunErrors, Summary};
+pub use tip_error::TipError;
 pub use trace::{Sample, Trace};
+pub use verdict::{TOLERANCE, Verdict, ended_by, fault_name};
 
-use crate::link::{InProcess, Target, TargetError};
+use crate::link::{DesktopDrives, InProcess, Target, TargetError};
 use crate::time_optimal::{JobPlanner, TimeOptimalError};
 use fivebar_files::job::Job;
-use fivebar_files::robot::{HomeError, MissingMasses, NotBrushed, robot_file_message};
+use fivebar_files::robot::{HomeError, MissingMasses, NotBrushed, Robot, robot_file_message};
 use fivebar_files::scenario::{RefusedModeChange, RefusedMove, Scenario, ScenarioError};
-use fivebar_firmware::drives::can::BusDrives;
-use fivebar_firmware::drives::{BrushedDrives, StepDrives};
 use fivebar_firmware::settings::HomingMethod;
 use fivebar_firmware::settings::SettingsError;
 use fivebar_firmware::{Move, Planner};
-use fivebar_kinematics::five_bar::Pose;
+use fivebar_kinematics::five_bar::{Joint, Pose};
 use fivebar_plant::contact::ClearanceError;
 use fivebar_plant::{MismatchError, Parameters, Plant, WornJoints};
 use std::time::Instant;
@@ -63,6 +68,9 @@ pub enum RunError {
     /// The robot's drives are on no bus.
     #[error("the drives of robot `{0}` are on no CAN bus: theirs is another `kind`")]
     NoBus(String),
+    /// The robot has no hobby servos.
+    #[error("robot `{0}` has no hobby servos: its drives are of another `kind`")]
+    NoServos(String),
     /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),
@@ -140,6 +148,18 @@ pub trait Simulate {
     /// # Errors
     /// The robot has no masses, or the controller refuses its settings.
     fn controller(&self) -> Result<InProcess, RunError>;
+
+    /// Runs moves on any controller with this arm, else as [`Simulate::simulate`].
+    ///
+    /// # Errors
+    /// As [`Simulate::simulate`].
+    fn run_arm<P: SimulatedArm>(
+        &self,
+        target: &mut impl Target<P::Interface>,
+        arm: P,
+        moves: &[Move],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError>;
 
     /// Runs moves on any controller, else as [`Simulate::simulate`].
     ///
@@ -226,23 +246,31 @@ impl Simulate for Scenario {
         job: &Job,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        let (robot, moves) = (&self.robot, self.run_moves(job)?);
-        if robot.has_steppers() {
-            self.run_on::<StepDrives>(&mut controller(self)?, &moves, progress)
-        } else if let Some(servos) = robot.hobby_servos() {
-            let plant = hobby_servos::plant(self, &servos)?;
-            let mut target = controller::<StepDrives>(self)?;
-            run(self, &mut target, plant, &moves, None, progress)
-        } else if robot.can_drives().is_some() {
-            self.run_on::<BusDrives>(&mut controller(self)?, &moves, progress)
-        } else {
-            self.run_on::<BrushedDrives>(&mut controller(self)?, &moves, progress)
-        }
+        let moves = &self.run_moves(job)?;
+        with_arm(
+            self,
+            InThisProcess {
+                scenario: self,
+                moves,
+                watch: None,
+                progress,
+            },
+        )?
     }
 
     fn controller(&self) -> Result<InProcess, RunError> {
         self.robot.brushed()?;
         controller(self)
+    }
+
+    fn run_arm<P: SimulatedArm>(
+        &self,
+        target: &mut impl Target<P::Interface>,
+        arm: P,
+        moves: &[Move],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Summary, Record), RunError> {
+        run(self, target, arm, moves, None, progress)
     }
 
     fn run_on<I: SimulatedDrives>(
@@ -251,7 +279,7 @@ impl Simulate for Scenario {
         moves: &[Move],
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        run(self, target, I::arm(self)?, moves, None, progress)
+        self.run_arm(target, I::arm(self)?, moves, progress)
     }
 
     fn run_watched(
@@ -260,15 +288,15 @@ impl Simulate for Scenario {
         watch: &mut dyn Watch,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(Summary, Record), RunError> {
-        let mut target = self.controller()?;
-        run(
+        with_arm(
             self,
-            &mut target,
-            self.plant()?,
-            moves,
-            Some(watch),
-            progress,
-        )
+            InThisProcess {
+                scenario: self,
+                moves,
+                watch: Some(watch),
+                progress,
+            },
+        )?
     }
 
     fn by_cause(&self, job: &Job, all: &Summary) -> Result<Vec<CauseError>, RunError> {
@@ -280,8 +308,31 @@ impl Simulate for Scenario {
     }
 }
 
+/// Runs moves on a controller in this process.
+struct InThisProcess<'a> {
+    scenario: &'a Scenario,
+    moves: &'a [Move],
+    watch: Option<&'a mut dyn Watch>,
+    progress: &'a mut dyn FnMut(f64),
+}
+
+impl WithArm for InThisProcess<'_> {
+    type Output = Result<(Summary, Record), RunError>;
+
+    fn with<P: SimulatedArm>(self, arm: P) -> Self::Output {
+        let mut target = controller::<P::Interface>(self.scenario)?;
+        let Self {
+            scenario,
+            moves,
+            watch,
+            progress,
+        } = self;
+        run(scenario, &mut target, arm, moves, watch, progress)
+    }
+}
+
 /// A controller in this process, as after a reset, with the scenario's control law.
-fn controller<I: SimulatedDrives>(scenario: &Scenario) -> Result<InProcess<I>, RunError> {
+fn controller<I: DesktopDrives>(scenario: &Scenario) -> Result<InProcess<I>, RunError> {
     let robot = &scenario.robot;
     // Steppers and hobby servos have no loop.
     let has_no_loop = robot.has_steppers() || robot.hobby_servos().is_some();
@@ -299,6 +350,11 @@ fn settings_error(scenario: &Scenario, error: SettingsError) -> RunError {
     }
 }
 
+/// Whether the simulated arm drew its job in a run of this scenario, whoever ran it.
+pub fn verdict_on(scenario: &Scenario, record: &Record) -> Verdict {
+    Verdict::new(scenario, record, hobby_servos::limits(&scenario.robot))
+}
+
 /// Runs moves on this controller and this simulated arm.
 fn run<P: SimulatedArm>(
     scenario: &Scenario,
@@ -314,7 +370,9 @@ fn run<P: SimulatedArm>(
         simulation = simulation.watched_by(watch);
     }
     let record = simulation.run(moves, &scenario.faults, progress)?;
+    let servos = hobby_servos::limits(&scenario.robot);
     let summary = Summary {
+        verdict: verdict_on(scenario, &record),
         robot: scenario.robot.name.clone(),
         scenario: scenario.name.clone(),
         simulated_s: record.simulated,
@@ -323,6 +381,7 @@ fn run<P: SimulatedArm>(
         tip_error: record.tip_error,
         tip_error_placed: record.tip_error_placed,
         peak_torque_nm: record.peak_torque,
+        torque_share: torque_share(&scenario.robot, &record.trace),
         saturated_ticks: record.saturated_ticks,
         job_s: record.job_time,
         faults: record
@@ -331,10 +390,20 @@ fn run<P: SimulatedArm>(
             .map(|(_, fault)| fault_name(*fault))
             .collect(),
         lost_steps: record.lost_steps,
-        hobby_servos: hobby_servos::limits(&scenario.robot),
+        hobby_servos: servos,
         ..Summary::default()
     };
     Ok((summary, record))
+}
+
+/// The greatest torque in these samples, as a share of what limits it at its speed.
+fn torque_share(robot: &Robot, trace: &Trace) -> Option<f64> {
+    let limit = robot.torque_limit().ok()?;
+    let shares = trace.samples().iter().flat_map(|sample| {
+        let [torques, rates] = [sample.torque, sample.reference_velocity];
+        Joint::ALL.map(|joint| (torques[joint] / limit.at(joint, rates[joint])).abs())
+    });
+    shares.reduce(f64::max)
 }
 
 /// The arm with each joint 0.1 rad before its home switch, or at home where that is given.

@@ -1,11 +1,11 @@
 //! Runs on an arm with steppers.
 
-use super::{RunError, SimulatedArm, SimulatedDrives, prepared};
+use super::{ByHand, RunError, SimulatedArm, SimulatedDrives, prepared};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::{StepCommand, StepDrives, StepSample};
 use fivebar_firmware::{ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{PlantFault, StepperPlant};
+use fivebar_plant::{Plant, PlantFault, StepperPlant};
 
 impl SimulatedDrives for StepDrives {
     type Arm = StepperPlant;
@@ -17,10 +17,21 @@ impl SimulatedDrives for StepDrives {
         let (pose, parameters) = prepared(scenario)?;
         let (mismatch, seed) = (&scenario.mismatch, scenario.seed);
         let mut plant = StepperPlant::new(&parameters, &motors, mismatch, &pose, seed);
+        plant.rewire(&scenario.wiring);
         for &fault in &scenario.initial_faults {
             plant.arm_mut().inject(fault);
         }
         Ok(plant)
+    }
+}
+
+impl ByHand for StepperPlant {
+    fn plant(&self) -> &Plant {
+        self.arm()
+    }
+
+    fn plant_mut(&mut self) -> &mut Plant {
+        self.arm_mut()
     }
 }
 

@@ -1,45 +1,13 @@
 //! The results of a run, with the keys of its JSON.
 
-use super::{CauseError, Sample};
-use fivebar_design::calibration::rigid;
-use fivebar_firmware::safety::Fault;
-use nalgebra::Point2;
+use super::{CauseError, ServoLimits, TipError, Verdict};
 use serde::Serialize;
-
-/// The tip error over all ticks of the job.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct TipError {
-    /// Root mean square [m].
-    pub rms_m: f64,
-    /// Greatest value [m].
-    pub max_m: f64,
-}
-
-impl TipError {
-    /// Of these samples, after the shift and turn that make it least.
-    pub(super) fn placed(samples: &[Sample]) -> Self {
-        let pair = |sample: &Sample| (sample.reference.into(), sample.tool.into());
-        let pairs: Vec<_> = samples.iter().map(pair).collect();
-        let Some(placement) = rigid(&pairs) else {
-            return Self::default();
-        };
-        let errors = pairs.iter().map(|&(reference, tool)| {
-            let placed = placement * Point2::from(tool);
-            (placed.coords - reference).norm()
-        });
-        let (squares, greatest) = errors.fold((0.0, 0.0_f64), |(squares, greatest), error| {
-            (squares + error * error, greatest.max(error))
-        });
-        Self {
-            rms_m: (squares / pairs.len() as f64).sqrt(),
-            max_m: greatest,
-        }
-    }
-}
 
 /// The errors of one of the runs of a job that is repeated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct RunErrors {
+    /// Whether the job was drawn within the tolerance.
+    pub drawn: bool,
     /// RMS tip error, as the arm truly went [m].
     pub rms_m: f64,
     /// Greatest tip error, as the arm truly went [m].
@@ -67,15 +35,6 @@ pub struct LearningSummary {
     pub forgotten: Option<String>,
 }
 
-/// How far hobby servos are from their set-points, whatever their controller does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ServoLimits {
-    /// The dead band at the tool with a straight leg, of the worse joint [m].
-    pub dead_band_m: f64,
-    /// The longest time from a set-point until the joint is there, of the worse joint [s].
-    pub late_s: f64,
-}
-
 /// The figures of a run: `summary.json`, and the last line with `--json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
@@ -83,6 +42,9 @@ pub struct Summary {
     pub robot: String,
     /// The scenario's or the job's name.
     pub scenario: String,
+    /// Whether the job was drawn.
+    #[serde(flatten)]
+    pub verdict: Verdict,
     /// Simulated time [s].
     pub simulated_s: f64,
     /// Time of the job itself, without homing and pauses around it [s].
@@ -101,6 +63,10 @@ pub struct Summary {
     pub pid_tip_error: Option<TipError>,
     /// Greatest torque of each motor, at its joint [N·m].
     pub peak_torque_nm: [f64; 2],
+    /// Greatest torque of a motor during the job, as a share of what limits it at its speed: the torque at which a stepper
+    /// loses steps, the stall torque of a servo, or the peak torque. None without a job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque_share: Option<f64>,
     /// Ticks in which a torque was limited.
     pub saturated_ticks: u64,
     /// Faults raised, by name.
@@ -133,18 +99,6 @@ pub struct Summary {
     pub out_dir: String,
 }
 
-/// A fault's name in words: "encoder jump".
-pub fn fault_name(fault: Fault) -> String {
-    let mut name = String::new();
-    for letter in format!("{fault:?}").chars() {
-        if letter.is_uppercase() && !name.is_empty() {
-            name.push(' ');
-        }
-        name.extend(letter.to_lowercase());
-    }
-    name
-}
-
 impl Summary {
     /// Simulated time per real time, to two digits or more.
     pub fn speed(&self) -> String {
@@ -158,33 +112,5 @@ impl Summary {
     pub fn ratio_to(&self, pid: TipError) -> Option<f64> {
         let is_whole = self.faults.is_empty() && self.tip_error.rms_m > 0.0;
         is_whole.then(|| pid.rms_m / self.tip_error.rms_m)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Sample, TipError};
-
-    #[test]
-    fn a_shift_and_a_turn_are_no_error_of_a_placed_drawing() {
-        let sample = |at: f64, off: f64| {
-            let [x, y] = [0.05 * at.cos(), 0.2 + 0.03 * at.sin()];
-            let (sin, cos) = 0.01_f64.sin_cos();
-            Sample {
-                reference: [x, y],
-                tool: [cos * x - sin * y + 1e-3, sin * x + cos * y - 2e-3 + off],
-                ..Sample::default()
-            }
-        };
-        let placed = |off: f64| {
-            let samples: Vec<Sample> = (0..200_u8)
-                .map(|i| sample(f64::from(i) * 0.1, if i % 2 == 0 { off } else { -off }))
-                .collect();
-            assert!(samples.iter().all(|sample| sample.tip_error() > 1e-4));
-            TipError::placed(&samples)
-        };
-        assert!(placed(0.0).max_m < 1e-12);
-        let TipError { rms_m, max_m } = placed(1e-5);
-        assert!((rms_m - 1e-5).abs() < 1e-7 && (1e-5..1.1e-5).contains(&max_m));
     }
 }

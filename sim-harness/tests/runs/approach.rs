@@ -4,10 +4,13 @@ use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::{MoveKind, Planner};
 use fivebar_sim::simulation::Simulate;
+use std::sync::LazyLock;
 
 /// A scenario with the job's (0, 0) at a place [m].
 fn scenario(text: &str, origin: [f64; 2]) -> Scenario {
-    let robot = Robot::load("benchtop").unwrap();
+    // Its bandwidths follow from its arm: they are searched once.
+    static BENCHTOP: LazyLock<Robot> = LazyLock::new(|| Robot::load("benchtop").unwrap());
+    let robot = BENCHTOP.clone();
     let mut scenario = Scenario::new("approach", robot, "approach.gcode", text.into());
     scenario.origin = Some(origin);
     scenario

@@ -2,8 +2,10 @@
 
 mod approach;
 mod can_bus;
+mod can_requests;
 mod hobby_servos;
 mod learning;
+mod limits;
 mod stepper_campaign;
 mod stepper_encoders;
 mod steppers;

@@ -7,7 +7,7 @@
 
 use crate::steppers::{resized, run};
 use fivebar_design::Noise;
-use fivebar_files::robot::Robot;
+use fivebar_files::robot::{Drive, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_plant::FaultKind;
 use fivebar_sim::simulation::Record;
@@ -163,7 +163,7 @@ impl Job {
 fn robot(size: f64, gear_ratio: f64, share: f64) -> Robot {
     let mut robot = resized(size, gear_ratio);
     for actuator in robot.actuators.iter_mut().flatten() {
-        if let Some(stepper) = &mut actuator.stepper {
+        if let Drive::Stepper(stepper) = &mut actuator.drive {
             stepper.torque_share = share;
         }
     }

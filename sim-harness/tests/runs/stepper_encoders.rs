@@ -200,3 +200,39 @@ fn steps_that_a_driver_misses_are_a_fault_within_two_and_the_arm_goes_on_without
         }
     }
 }
+
+#[test]
+fn brakes_that_fail_under_an_upright_arm_are_found_and_its_steppers_hold_it() {
+    let keys = "kind = \"stepper\"\nencoder_counts = 4000\nbrake_torque = 2.0\nbrake_engage_time = 0.03\n\
+                brake_release_time = 0.03";
+    let robot = benchtop(|text| {
+        text.replace("kind = \"stepper\"", keys)
+            .replace("gravity = [0.0, 0.0]", "gravity = [0.0, -9.81]")
+    });
+    for fails in [false, true] {
+        let mut bench = Bench::new(&Scenario::demonstration(robot.clone()));
+        bench.run_until(|status| status.state == State::Armed);
+        for _ in 0..5000 {
+            bench.tick();
+        }
+        let before = Joint::ALL.map(|joint| bench.plant.angle(joint));
+        if fails {
+            for joint in Joint::ALL {
+                let fault = FaultKind::BrakeFails { joint };
+                bench.plant.arm_mut().inject(fault);
+            }
+        }
+        bench.request(Request::Disarm);
+        bench.run_until(|status| status.state != State::Armed);
+        for _ in 0..5000 {
+            bench.tick();
+        }
+        let fell = Joint::ALL.map(|joint| (bench.plant.angle(joint) - before[joint]).abs());
+        let farthest = fell[0].max(fell[1]);
+        let expected = fails.then_some(Fault::BrakeFailed);
+        assert_eq!(bench.status.fault, expected, "it fell {farthest} rad");
+        // Held where it was found to fall, or by the brakes.
+        assert!(farthest < if fails { 0.06 } else { 2e-3 }, "{farthest} rad");
+        assert!(bench.status.homed && bench.gap() < 4e-3, "{}", bench.gap());
+    }
+}

@@ -45,7 +45,17 @@ fn decay(robot: &Robot, begun: f64, direction: Vector2<f64>) -> f64 {
 /// The period is that of the loop's bandwidth. The belts swing with a shorter one.
 #[test]
 fn a_tap_decays_to_a_tenth_within_three_periods_of_the_loop() {
-    for stiffness in [300.0, 700.0, 1250.0, 2500.0, 5000.0] {
+    taps_decay(&[700.0]);
+}
+
+#[test]
+#[ignore = "half a minute: ./ci.sh tables"]
+fn whole_table_of_belts_on_which_a_tap_decays() {
+    taps_decay(&[300.0, 700.0, 1250.0, 2500.0, 5000.0]);
+}
+
+fn taps_decay(belts: &[f64]) {
+    for &stiffness in belts {
         let robot = benchtop(stiffness);
         let period = TAU / robot.gains().feedback_bandwidth();
         let documented = if stiffness < 500.0 { 0.13 } else { 0.05 };
@@ -141,8 +151,8 @@ fn tool(sample: &fivebar_sim::simulation::Sample) -> Vector2<f64> {
     sample.tool.into()
 }
 
-/// At every pose of the grid, the simulated arm's and the computed one.
-fn assert_peaks(stiffness: f64) {
+/// At every so many poses of the grid, the simulated arm's and the computed one.
+fn assert_peaks(stiffness: f64, every: usize) {
     let robot = benchtop(stiffness);
     let gains = robot.gains();
     let belts = gains.belts.expect("the law of belts");
@@ -151,7 +161,7 @@ fn assert_peaks(stiffness: f64) {
     let poses = grid(&robot);
     assert!(poses.len() > 12, "{}", poses.len());
     let mut most = 0.0_f64;
-    for (pose, servo) in &poses {
+    for (pose, servo) in poses.iter().step_by(every) {
         let jacobian = tool.jacobian(pose).expect("clear").matrix();
         let held = belts.map(|belt| belt.bandwidth * belt.bandwidth);
         let held = servo.mass_matrix * Matrix2::from_diagonal(&held.into());
@@ -169,18 +179,27 @@ fn assert_peaks(stiffness: f64) {
         );
         most = most.max(peak);
     }
-    println!("{stiffness} N·m/rad: {most:.2} at {} poses", poses.len());
+    println!(
+        "{stiffness} N·m/rad: {most:.2} at one in {every} of {} poses",
+        poses.len()
+    );
 }
 
 #[test]
 fn the_simulated_arm_yields_to_no_frequency_by_more_than_twice_its_static_compliance() {
-    assert_peaks(700.0);
+    assert_peaks(700.0, 8);
+}
+
+#[test]
+#[ignore = "a minute: ./ci.sh tables"]
+fn whole_table_of_poses_at_which_the_simulated_arm_yields_as_computed() {
+    assert_peaks(700.0, 1);
 }
 
 #[test]
 #[ignore = "a minute for each belt"]
 fn simulated_arms_on_all_belts_yield_to_no_frequency_by_more_than_twice_their_static_compliance() {
     for stiffness in [300.0, 1250.0, 2500.0, 5000.0] {
-        assert_peaks(stiffness);
+        assert_peaks(stiffness, 1);
     }
 }

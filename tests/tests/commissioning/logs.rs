@@ -19,7 +19,7 @@ pub(crate) const MODE: WorkingMode = WorkingMode::new(Side::Right, Side::Left);
 /// An upright or level benchtop arm as it is, heavier than drawn, and its excitation.
 pub(crate) struct Setup {
     pub(crate) arm: Arm<f64>,
-    base: Vec<f64>,
+    pub(crate) base: Vec<f64>,
     pub(crate) excitation: Excitation,
 }
 
@@ -68,8 +68,8 @@ pub(crate) fn observed(arm: &Arm<f64>) -> Observed<'_> {
     }
 }
 
-const VISCOUS: [f64; 2] = [1.95e-3, 1.6e-3];
-const COULOMB: [f64; 2] = [11.7e-3, 9e-3];
+pub(crate) const VISCOUS: [f64; 2] = [1.95e-3, 1.6e-3];
+pub(crate) const COULOMB: [f64; 2] = [11.7e-3, 9e-3];
 
 /// A log of the excitation: the torque of each tick by Kane's equations in its middle, with
 /// friction, an offset of 4 mA, and noise of the current sensors and encoders of this share.

@@ -3,6 +3,8 @@
 mod arms;
 mod belts;
 mod calibration;
+mod coaxial;
+mod coverage;
 mod excitations;
 mod identification;
 mod logs;

@@ -1,6 +1,7 @@
 //! An arm that is measured by distances, holes and photographs.
 
 use crate::calibration::DRAWN;
+use crate::coverage::Case;
 use fivebar_design::Noise;
 use fivebar_design::calibration::{
     Bar, Criterion, Deviations, HoleTouch, Measurements, Parameters, PhotoPoint, Touch,
@@ -21,14 +22,24 @@ pub(crate) struct Arm {
     noise: Noise,
     /// Share of the deviations that the measurements have.
     share: f64,
+    /// What their errors are.
+    pub(crate) case: Case,
 }
 
 /// The benchtop arm with lengths 0.3 mm and zeros 20 mrad off.
 pub(crate) fn arm(seed: u64, share: f64) -> Arm {
+    arm_drawn(DRAWN, seed, share)
+}
+
+/// As [`arm`], of an arm with these lengths [m]; a base of 0 is exactly 0.
+pub(crate) fn arm_drawn(drawn: [f64; 5], seed: u64, share: f64) -> Arm {
     let mut noise = Noise::new(seed);
     let mut off = |size: f64| size * (2.0 * noise.uniform() - 1.0);
     let truth = Parameters {
-        lengths: DRAWN.map(|length| length + off(0.3e-3)),
+        lengths: drawn.map(|length| match length {
+            0.0 => 0.0,
+            length => length + off(0.3e-3),
+        }),
         offsets: [off(20e-3), off(20e-3)],
         ..Parameters::default()
     };
@@ -36,6 +47,7 @@ pub(crate) fn arm(seed: u64, share: f64) -> Arm {
         truth,
         noise,
         share,
+        case: Case::Clean,
     }
 }
 
@@ -62,7 +74,7 @@ impl Arm {
     }
 
     fn near(&mut self, sigma: f64) -> Vector2<f64> {
-        Vector2::new(self.noise.normal(), self.noise.normal()) * sigma * self.share
+        self.case.pair(&mut self.noise) * sigma * self.share
     }
 
     /// Distances of 100 mm.

@@ -12,7 +12,7 @@ use fivebar_kinematics::five_bar::{Geometry, Side, Tool};
 use nalgebra::Vector2;
 
 /// The error of the tip over the workspace after the best placement: expected and real [m].
-fn tip_errors(found: &MixedCalibration, truth: &Parameters) -> [f64; 2] {
+pub(crate) fn tip_errors(found: &MixedCalibration, truth: &Parameters) -> [f64; 2] {
     let (mut workspace, home) = benchtop();
     let p = &found.parameters;
     let geometry = Geometry::new(p.lengths).unwrap();

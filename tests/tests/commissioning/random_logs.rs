@@ -10,6 +10,11 @@ use fivebar_kinematics::five_bar::{Geometry, Joint, Pose, Tool, WorkingMode, Wor
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
+/// Rates of the logs [Hz].
+const RATES: [f64; 4] = [10e3, 5e3, 2e3, 20e3];
+/// The gravity in the plane of arms that stand [m/s²].
+const UPRIGHT: Vector2<f64> = Vector2::new(3.0, -9.0);
+
 /// A random arm with a pose far from singularities in the middle of a region.
 fn random_arm(noise: &mut Noise, gravity: Vector2<f64>) -> Option<(Arm<f64>, Pose<f64>)> {
     let lengths =
@@ -50,25 +55,32 @@ fn smooth_sign(omega: f64, number: usize) -> f64 {
 
 #[test]
 fn random_level_arms_are_identified_and_their_swapped_logs_refused() {
-    random_arms_are_identified(Vector2::zeros(), 9);
+    random_arms_are_identified(Vector2::zeros(), 9, &RATES[..2]);
 }
 
 #[test]
 fn random_upright_arms_are_identified_and_their_swapped_logs_refused() {
-    random_arms_are_identified(Vector2::new(3.0, -9.0), 10);
+    random_arms_are_identified(UPRIGHT, 10, &RATES[..2]);
 }
 
-fn random_arms_are_identified(gravity: Vector2<f64>, seed: u64) {
+#[test]
+#[ignore = "ten seconds: ./ci.sh tables"]
+fn whole_table_of_random_arms_that_are_identified_at_each_rate() {
+    random_arms_are_identified(Vector2::zeros(), 9, &RATES);
+    random_arms_are_identified(UPRIGHT, 10, &RATES);
+}
+
+/// An arm for each of these rates of its log [Hz].
+fn random_arms_are_identified(gravity: Vector2<f64>, seed: u64, rates: &[f64]) {
     let mut noise = Noise::new(seed);
     let mut done = 0;
     for number in 0.. {
-        if done == 4 {
+        let Some(&rate) = rates.get(done) else {
             break;
-        }
+        };
         let Some((arm, middle)) = random_arm(&mut noise, gravity) else {
             continue;
         };
-        let rate = [10e3, 5e3, 2e3, 20e3][done % 4];
         let base = base_parameters(arm.geometry().lengths(), &standard_parameters(&arm));
         let [theta1, _, _, theta4] = middle.angles();
         let bounds = Bounds {

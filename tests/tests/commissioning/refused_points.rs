@@ -9,8 +9,18 @@ use nalgebra::Vector2;
 
 #[test]
 fn what_is_not_determined_is_refused_with_its_reason() {
+    refused_with_their_reason(15);
+}
+
+#[test]
+#[ignore = "some seconds: ./ci.sh tables"]
+fn whole_table_of_random_arms_whose_points_are_refused_with_their_reason() {
+    refused_with_their_reason(60);
+}
+
+fn refused_with_their_reason(arms: u32) {
     let mut noise = Noise::new(5);
-    for number in 0..60 {
+    for number in 0..arms {
         let Made { drawn, plate, .. } = made(&mut noise, 24, SIGMA);
         let with = |touches: Vec<Touch>| {
             calibrate(

@@ -153,7 +153,7 @@ pub(crate) const KINDS: &[Kind] = &[
     Kind {
         name: "bus_sensor_stuck", suits: ANY,
         make: |_| Fault::Plant(FaultKind::BusSensorStuck),
-        unseen: "**never** while the bus is sound: the reading is right; a bus that changes later is not seen",
+        unseen: "never while the bus is sound: the reading is right; a bus that changes later is not seen",
     },
     Kind {
         name: "bus_sensor_gain", suits: ANY,
@@ -213,13 +213,13 @@ pub(crate) const KINDS: &[Kind] = &[
     Kind {
         name: "emergency_stop_welded", suits: ANY,
         make: |_| Fault::Plant(FaultKind::EmergencyStopWelded),
-        unseen: "**never**: one contact that is welded cannot be told from one that is not pressed; the arm goes on. \
+        unseen: "never: one contact that is welded cannot be told from one that is not pressed; the arm goes on. \
                  Press the button before each shift, or use two contacts and a safety relay",
     },
     Kind {
         name: "contactor_welded", suits: ANY,
         make: |_| Fault::Plant(FaultKind::ContactorWelded),
-        unseen: "**never** in a run: the bus voltage shows it while the emergency stop is pressed, and commissioning \
+        unseen: "never in a run: the bus voltage shows it while the emergency stop is pressed, and commissioning \
                  looks for it; the timer's break input switches the bridges off as well",
     },
     Kind {

@@ -1,41 +1,31 @@
-//! The table of the campaign as docs/verify/fault-campaign.md.
+//! The table of the campaign as docs/verify/data/fault_campaign_brushed.csv.
 
 use crate::injected::{KINDS, Kind};
 use crate::outcome::{Found, Outcome};
 use crate::trial::{During, Trial};
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 type All<'a> = [&'a (Trial, Outcome)];
 
-/// The whole page.
-pub(crate) fn document(trials: &[(Trial, Outcome)]) -> String {
-    let seeds = trials.first().zip(trials.last());
-    let (first, last) = seeds.map_or((0, 0), |(first, last)| (first.0.seed, last.0.seed));
-    let mut page = format!(include_str!("head.txt"), first = first, last = last);
+/// The columns of the file.
+const HEADING: &str = "fault,state,trials,found_by,median_ms,worst_ms,off_rad,speed_rad_s,current,overload_s,limit,\
+                       broken,fell,not_found_because";
+
+/// The whole file: of each kind a row of all its trials, and one for each state.
+pub(crate) fn csv(trials: &[(Trial, Outcome)]) -> String {
+    let mut file = format!("{HEADING}\n");
     for (index, kind) in KINDS.iter().enumerate() {
         let of_kind: Vec<_> = trials.iter().filter(|(t, _)| t.kind == index).collect();
-        page += &row(kind, &of_kind);
-    }
-    page += "\n## By the state in which the fault comes\n\n";
-    page += "Cells: the faults that were latched (number × times), `refused` for a refused request, – for \
-             trials in which the fault was not found; then the longest time until it was found.\n\n| fault |";
-    for during in During::ALL {
-        let _ = write!(page, " {} |", during.name());
-    }
-    page += &format!("\n|{}\n", "---|".repeat(1 + During::ALL.len()));
-    for (index, kind) in KINDS.iter().enumerate() {
-        let _ = write!(page, "| {} |", kind.name);
+        file += &row(kind, &of_kind);
         for during in During::ALL {
-            let cell: Vec<_> = trials
-                .iter()
-                .filter(|(t, _)| t.kind == index && t.during == during)
-                .collect();
-            let _ = write!(page, " {} |", cell_text(&cell));
+            let of_state = of_kind.iter().copied();
+            let of_state: Vec<_> = of_state.filter(|(t, _)| t.during == during).collect();
+            if !of_state.is_empty() {
+                file += &state_row(kind, during, &of_state);
+            }
         }
-        page.push('\n');
     }
-    page
+    file
 }
 
 /// The row of a kind.
@@ -52,14 +42,14 @@ fn row(kind: &Kind, all: &All<'_>) -> String {
     let missed = all.len() - found.len();
     let time = match (times.get(times.len() / 2), times.last()) {
         (Some(median), Some(worst)) => {
-            format!("{} / {}", milliseconds(*median), milliseconds(*worst))
+            format!("{},{}", milliseconds(*median), milliseconds(*worst))
         }
-        _ => "–".into(),
+        _ => ",".into(),
     };
     let found_off = found.iter().map(|(_, o)| o.off).fold(0.0, f64::max);
     let found_speed = found.iter().map(|(_, o)| o.speed).fold(0.0, f64::max);
     format!(
-        "| `{}` | {} | {} | {time} | {found_off:.3} | {found_speed:.1} | {:.2} | {:.2} | {:.2} | {} | {} | {} |\n",
+        "{},all,{},{},{time},{found_off:.3},{found_speed:.1},{:.2},{:.2},{:.2},{},{},\"{}\"\n",
         kind.name,
         all.len(),
         by_number(all),
@@ -73,37 +63,37 @@ fn row(kind: &Kind, all: &All<'_>) -> String {
 }
 
 /// What came of a kind in a state.
-fn cell_text(all: &All<'_>) -> String {
-    if all.is_empty() {
-        return String::new();
-    }
+fn state_row(kind: &Kind, during: During, all: &All<'_>) -> String {
     let worst = all.iter().filter(|(_, o)| o.found.is_some());
     let worst = worst.map(|(_, o)| o.after).fold(0.0, f64::max);
-    let mut text = by_number(all);
-    if worst > 0.0 {
-        let _ = write!(text, "; {} ms", milliseconds(worst));
-    }
-    text
+    let worst = if worst > 0.0 {
+        milliseconds(worst)
+    } else {
+        String::new()
+    };
+    let (name, state) = (kind.name, during.name());
+    let (count, by) = (all.len(), by_number(all));
+    format!("{name},{state},{count},{by},,{worst},,,,,,,,\n")
 }
 
-/// "3 × 12, 5 × 2, – × 4".
+/// "3x12 5x2 nonex4".
 fn by_number(all: &All<'_>) -> String {
     let mut counts: BTreeMap<(u8, &str), usize> = BTreeMap::new();
     for (_, outcome) in all {
         let key = match outcome.found {
             Some(Found::Latched(fault)) => (fault.number(), ""),
             Some(Found::Refused(_)) => (254, "refused"),
-            None => (255, "–"),
+            None => (255, "none"),
         };
         *counts.entry(key).or_default() += 1;
     }
     let text = counts
         .into_iter()
         .map(|((number, word), count)| match word {
-            "" => format!("{number} × {count}"),
-            word => format!("{word} × {count}"),
+            "" => format!("{number}x{count}"),
+            word => format!("{word}x{count}"),
         });
-    text.collect::<Vec<_>>().join(", ")
+    text.collect::<Vec<_>>().join(" ")
 }
 
 /// Milliseconds with three digits.

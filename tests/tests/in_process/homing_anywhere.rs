@@ -1,5 +1,7 @@
 //! Homing from wherever an arm may stand: each joint finds its home angle.
 
+use crate::readme_accuracy::{BRAKES, UPRIGHT};
+use crate::servo_loop::changed;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::safety::State;
@@ -124,5 +126,59 @@ fn homes_from_anywhere(robot: Robot, poses: u64) {
 
 #[test]
 fn the_benchtop_arm_homes_from_anywhere_within_its_joint_limits() {
+    homes_from_anywhere(Robot::load("benchtop").expect("it is built in"), 12);
+}
+
+/// An upright arm with brakes at this rate of the ticks.
+fn upright(rate: &str) -> Arm {
+    let control = format!("[control]\ntick_rate = {rate}\n\n[limits]");
+    Arm::new(changed(
+        "benchtop",
+        &[UPRIGHT, BRAKES, ("[limits]", &control)],
+    ))
+}
+
+/// At slow ticks an integral alone would let the arm sag further than [protection] allows, when its brakes release it.
+#[test]
+fn an_upright_arm_with_brakes_homes_at_every_rate_of_the_ticks() {
+    for rate in ["1e3", "2e3", "5e3", "1e4"] {
+        let arm = upright(rate);
+        let home = arm.robot.home_pose().expect("a home pose");
+        let off = arm.home_from(&home, 1);
+        assert!(
+            off.as_ref()
+                .is_ok_and(|off| off.iter().all(|off| off.abs() < 2e-3)),
+            "{rate} Hz: {off:?}"
+        );
+        homes_from_anywhere(arm.robot, 6);
+    }
+}
+
+/// Without gravity in the torque the arm falls further until the loop holds it.
+#[test]
+fn brakes_that_release_a_known_arm_at_its_home_angles_do_not_let_it_sag() {
+    let arm = upright("1e3");
+    let home = arm.robot.home_pose().expect("a home pose");
+    let mut controller = Controller::new(&arm.settings);
+    let mut plant = Plant::new(&arm.parameters, &Mismatch::NONE, &home, 1);
+    let mut moving = 0;
+    controller.request(Request::Home).expect("it is stopped");
+    for tick in 0..1000 {
+        controller.feed_host_timeout();
+        let command = controller.tick(&plant.sense());
+        plant.step(&command, 1e-3);
+        let turned = (plant.angle(Joint::Joint1) - home.angles()[0]).abs();
+        assert!(turned < 1.5e-3, "{turned} rad in tick {tick}");
+        moving += u32::from(turned > 1e-4);
+        if moving == 10 {
+            return;
+        }
+    }
+    panic!("the brakes never release it");
+}
+
+#[test]
+#[ignore = "some seconds: ./ci.sh tables"]
+fn whole_table_of_forty_poses_from_which_the_benchtop_arm_homes() {
     homes_from_anywhere(Robot::load("benchtop").expect("it is built in"), 40);
 }

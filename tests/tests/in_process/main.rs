@@ -6,6 +6,7 @@ mod accuracy_linkages;
 #[path = "../bench/mod.rs"]
 mod bench;
 mod board_defaults;
+mod doors_document;
 mod faults_document;
 mod faults_in_process;
 mod homing_anywhere;
@@ -16,6 +17,8 @@ mod plant_and_models;
 mod readme_accuracy;
 mod reference_vectors;
 mod safety_document;
+mod seen_faults;
 mod servo_loop;
+mod tables_document;
 mod tool_offsets;
 mod tool_strokes;

@@ -11,7 +11,8 @@ use proptest::prelude::*;
 use std::fmt::Write as _;
 
 /// The bandwidths are given only because finding them would take most of these tests' time.
-const CONTROL: &str = "[control]\nbandwidth = 100\nintegral_rate = 20\nobserver_bandwidth = 800\ncurrent_bandwidth = 2000\n";
+/// With accelerations for which the drives of a file without motors have the torque, whatever the masses.
+const CONTROL: &str = "[limits]\nmax_acceleration = [10, 10]\n[control]\nbandwidth = 100\nintegral_rate = 20\nobserver_bandwidth = 800\ncurrent_bandwidth = 2000\n";
 
 /// The arm as a robot file, so that reading the file is tested too.
 fn robot(arm: &ReferenceArm) -> Robot {

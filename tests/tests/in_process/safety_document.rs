@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 const DOCUMENT: &str = include_str!("../../../docs/design/safety.md");
 /// Where tests are, from the repository's root.
-const FOLDERS: [&str; 8] = [
+const FOLDERS: [&str; 9] = [
     "kinematics",
+    "design",
     "firmware",
     "plant",
     "host",
@@ -39,18 +40,26 @@ fn every_test_it_names_is_there() {
         .flat_map(|cell| cell.split('`').skip(1).step_by(2))
         .collect();
     assert!(names.len() >= 40, "{names:?}");
+    let texts = all_sources();
+    for name in names {
+        assert!(is_there(&texts, name), "there is no test {name}");
+    }
+}
+
+/// The texts of all sources in these folders.
+pub(crate) fn all_sources() -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut files = Vec::new();
     for folder in FOLDERS {
         sources(&root.join(folder), &mut files);
     }
-    let texts: Vec<String> = files
-        .iter()
-        .map(|file| fs::read_to_string(file).expect("a source"))
-        .collect();
-    for name in names {
-        let (rust, python) = (format!("fn {name}("), format!("def {name}("));
-        let found = |text: &String| text.contains(&rust) || text.contains(&python);
-        assert!(texts.iter().any(found), "there is no test {name}");
-    }
+    let read = |file: &PathBuf| fs::read_to_string(file).expect("a source");
+    files.iter().map(read).collect()
+}
+
+/// Whether a source has a test of this name.
+pub(crate) fn is_there(texts: &[String], name: &str) -> bool {
+    let (rust, python) = (format!("fn {name}("), format!("def {name}("));
+    let found = |text: &String| text.contains(&rust) || text.contains(&python);
+    texts.iter().any(found)
 }

@@ -260,7 +260,7 @@ fn short_strokes_and_dots_are_drawn_as_asked() {
         let (x, y) = (4 * n, 3 * (n % 3));
         text += &format!("G0 X{x} Y{y}\nM3\nG1 X{}\nM5\n", f64::from(x) + 0.4);
     }
-    text += "G0 X10 Y15\nM3\nG4 P50\nM5\nG0 X15\nM3\nG1 X20 Y20\nM5\nM3\nG1 X25 Y15\nM5\n";
+    text += "G0 X10 Y15\nM3\nG4 P0.05\nM5\nG0 X15\nM3\nG1 X20 Y20\nM5\nM3\nG1 X25 Y15\nM5\n";
     text += "G0 X30 Y10\nM3\nG2 I-4 J0\nM5\nG0 X5 Y12\nM3\nG1 X8 Y14\n";
     std::fs::write(&path, text).expect("written");
     draws_what_is_asked(path.to_str().expect("text"));
@@ -279,11 +279,37 @@ fn jobs_of(folder: &Path) -> Vec<String> {
     jobs
 }
 
-#[test]
-fn files_of_common_programs_are_drawn_as_asked() {
+fn corpus() -> Vec<String> {
     let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/../host/files/tests/corpus");
     let jobs = jobs_of(Path::new(corpus));
     assert!(jobs.len() >= 40, "{jobs:?}");
+    jobs
+}
+
+/// The shortest file with each ending.
+#[test]
+fn a_file_of_each_kind_is_drawn_as_asked() {
+    let mut jobs: Vec<(String, u64, String)> = corpus()
+        .into_iter()
+        .map(|job| {
+            let ending = Path::new(&job).extension().expect("an ending");
+            let ending = ending.to_str().expect("text").to_owned();
+            let length = std::fs::metadata(&job).expect("a file").len();
+            (ending, length, job)
+        })
+        .collect();
+    jobs.sort();
+    jobs.dedup_by(|later, kept| later.0 == kept.0);
+    assert!(jobs.len() >= 8, "{jobs:?}");
+    for (_, _, job) in &jobs {
+        draws_what_is_asked(job);
+    }
+}
+
+#[test]
+#[ignore = "half a minute: ./ci.sh tables"]
+fn whole_table_of_files_of_common_programs_that_are_drawn_as_asked() {
+    let jobs = corpus();
     std::thread::scope(|scope| {
         for job in &jobs {
             scope.spawn(|| draws_what_is_asked(job));

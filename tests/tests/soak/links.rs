@@ -80,7 +80,7 @@ fn drive(client: &mut Client<Line>, taken: &mut usize) -> Result<(), String> {
     let settings = robot().settings().expect("it has masses");
     let mut drive = Drive::new(client, &|| false);
     drive
-        .home(Homing::Switches)
+        .home(Homing::IfUnknown)
         .and_then(|()| drive.follow(&job(), &settings, &mut |moves, _: &Status| *taken = moves))
         .map_err(|error| {
             let text = error.to_string();
@@ -168,7 +168,7 @@ fn a_job_over_a_bad_link_is_completed_or_ends_at_rest_with_a_reason() {
     );
 }
 
-/// The table of docs/verify/soak.md.
+/// The rows of docs/verify/data/links.csv.
 #[test]
 #[ignore = "a minute; scripts/soak.sh runs it"]
 fn every_link_of_the_table_completes_the_job_or_ends_at_rest_with_a_reason() {

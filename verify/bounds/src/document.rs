@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::registers;
 use crate::report::{Row, read};
 use crate::response::{self, BRUSHED, STACK_BUDGET};
 
@@ -28,9 +29,11 @@ fn figure(text: &str, name: &str) -> Option<u64> {
     line.trim().split('.').next()?.parse().ok()
 }
 
-/// The table, from the committed figures: those of the bounds, what the simulated chip measured, and the
-/// instructions that the emulator counted. None if a figure is missing.
-pub fn table(bounds: &str, chip: &str, instructions: &str) -> Option<String> {
+/// The table, from the committed figures: those of the bounds, what the simulated chip measured, the
+/// instructions that the emulator counted, and the accesses to slow registers that the simulated chip counted. None if
+/// a figure is missing.
+#[expect(clippy::too_many_lines, reason = "a list of rows")]
+pub fn table(bounds: &str, chip: &str, instructions: &str, accesses: &str) -> Option<String> {
     let (_, rows) = read(bounds);
     let row = |name: &str| -> Option<&Row> { rows.iter().find(|row| row.name == name) };
     let [tick, ..] = row("tick: tick::__cortex_m_rt_main")?.longest?;
@@ -109,6 +112,20 @@ pub fn table(bounds: &str, chip: &str, instructions: &str) -> Option<String> {
         grouped(free),
         grouped(BRUSHED.budget(BRUSHED.tick)?)
     );
+    text.push_str(
+        "\n| with the registers that wait | accesses over APB1, APB2 | cycles, at most | the tick's interrupt | limit | response | limit |\n|---|---|---|---|---|---|---|\n",
+    );
+    for waits in registers::counted(accesses)? {
+        let [first, second] = waits.accesses;
+        let [interrupt, response] = waits.bounds(&rows)?;
+        let [interrupt, response] = [interrupt, response]
+            .map(|(bound, limit)| format!("{} | {}", grouped(bound), grouped(limit)));
+        let (label, cycles) = (waits.driving.label, grouped(waits.cycles()));
+        let _ = writeln!(
+            text,
+            "| `{label}` | {first}, {second} | {cycles} | {interrupt} | {response} |"
+        );
+    }
     Some(text)
 }
 

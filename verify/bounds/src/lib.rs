@@ -28,6 +28,7 @@ pub mod instruction;
 pub mod longest;
 pub mod narrow;
 pub mod program;
+pub mod registers;
 pub mod report;
 pub mod response;
 pub mod stated;

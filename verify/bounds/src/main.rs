@@ -54,11 +54,13 @@ fn main() -> ExitCode {
 }
 
 fn document() -> Result<String, String> {
-    let (chip, instructions) = (
+    let (chip, instructions, accesses) = (
         include_str!("../../chip/figures.txt"),
         include_str!("../../../tests/data/instructions.txt"),
+        include_str!("../../chip/accesses.txt"),
     );
-    document::table(COMMITTED, chip, instructions).ok_or_else(|| "a figure is missing".to_owned())
+    document::table(COMMITTED, chip, instructions, accesses)
+        .ok_or_else(|| "a figure is missing".to_owned())
 }
 
 fn image(path: &Path) -> Result<Image, String> {

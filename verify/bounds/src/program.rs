@@ -316,6 +316,15 @@ impl<'a> Program<'a> {
         }
     }
 
+    /// The addresses at which the loops of the function at `address` are entered.
+    pub fn loop_headers(&mut self, address: u32) -> Vec<u32> {
+        let Some(function) = self.image.function(address).cloned() else {
+            return Vec::new();
+        };
+        let (graph, _) = self.graph(&function);
+        self.headers(&graph)
+    }
+
     /// The addresses of the loops' headers in a function.
     pub(crate) fn headers(&self, graph: &Graph) -> Vec<u32> {
         struct Nothing;

@@ -4,9 +4,9 @@
 //! table 7-1), each at its largest: a division takes 12, a taken branch refills the pipeline in 3.
 //! The flash of the STM32F405 needs 5 wait states at 168 MHz and is read in lines of 16 bytes
 //! (RM0090, 3.5). Its accelerator keeps lines; what it keeps cannot be known here. So there are
-//! three figures: one where every line is there; one where no line of the code is, which is the
-//! chip at its worst, because its RAM and its registers do not wait for the flash; and one where
-//! every access to data waits as well.
+//! three figures: one where every line is there; one where no line of the code is, because the RAM does
+//! not wait for the flash; and one where every access to data waits as well. Registers behind a bridge to a
+//! slower bus wait, too: [`registers`](crate::registers) adds them.
 
 use crate::graph::{Edge, Node};
 

@@ -94,6 +94,7 @@ impl Mcu {
             Unit::Dwt => self
                 .dwt
                 .read(offset, cycle, self.nvic.demcr >> 24 & 1 != 0)?,
+            Unit::Debug => self.debug.read(offset),
         })
     }
 
@@ -154,6 +155,7 @@ impl Mcu {
                 let trace = self.nvic.demcr >> 24 & 1 != 0;
                 self.dwt.write(offset, value, cycle, trace)
             }
+            Unit::Debug => self.debug.write(offset, value),
         }
     }
 

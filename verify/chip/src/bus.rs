@@ -31,13 +31,15 @@ pub(crate) enum Unit {
     /// NVIC, SCB, SysTick.
     Scs,
     Dwt,
+    /// DBGMCU.
+    Debug,
 }
 
 /// The bus and bit of a unit's clock in RCC; none for one that is always clocked.
 type Gate = Option<(usize, u32)>;
 
 /// Where the units are: first address, size, unit, and the bus and bit of its clock.
-const MAP: [(u32, u32, Unit, Gate); 18] = [
+const MAP: [(u32, u32, Unit, Gate); 19] = [
     (
         0x4000_0000,
         0x400,
@@ -66,6 +68,7 @@ const MAP: [(u32, u32, Unit, Gate); 18] = [
     (0x4002_6400, 0x400, Unit::Dma2, Some((0, 22))),
     (0xe000_1000, 0x1000, Unit::Dwt, None),
     (0xe000_e000, 0x1000, Unit::Scs, None),
+    (0xe004_2000, 0x400, Unit::Debug, None),
 ];
 
 /// The unit at an address, and the offset in it; `written` is the value, for the report.

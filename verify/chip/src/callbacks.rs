@@ -89,6 +89,7 @@ pub(crate) extern "C" fn read_at<const BASE: u32>(
     data: *mut c_void,
 ) -> u64 {
     let cpu = cpu(data);
+    cpu.count_access(BASE + offset as u32);
     match cpu.mcu.read(BASE + offset as u32, size) {
         Ok(value) => {
             cpu.idle.disturbed = true;
@@ -112,6 +113,7 @@ pub(crate) extern "C" fn write_at<const BASE: u32>(
     if let Some(trace) = &mut cpu.trace {
         trace.write(BASE + offset as u32, value as u32);
     }
+    cpu.count_access(BASE + offset as u32);
     if let Err(violation) = cpu.mcu.write(BASE + offset as u32, size, value as u32) {
         cpu.refuse(violation, BASE + offset as u32, true);
     }

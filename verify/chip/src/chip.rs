@@ -1,5 +1,6 @@
 //! The chip: the core of the emulator between the peripherals, and the passing of time.
 
+use crate::accesses::{Accesses, tick_of};
 use crate::callbacks::{
     on_block, on_interrupt, on_invalid_instruction, on_invalid_memory, read_at, read_sectors,
     write_at, write_sectors,
@@ -77,6 +78,8 @@ impl Chip {
             stack_left: None,
             idle,
             trace: None,
+            accesses: Accesses::default(),
+            tick: tick_of(options.drives),
         });
         let cpu = NonNull::from(Box::leak(cpu));
         let mut chip = Self { cpu };
@@ -169,12 +172,9 @@ impl Chip {
             return Ok(false);
         }
         let stalled = cpu.mcu.stalled_until;
-        if stalled > cpu.mcu.now || cpu.locked_up {
-            let until = if cpu.locked_up {
-                limit
-            } else {
-                stalled.min(limit)
-            };
+        let stands = cpu.locked_up || cpu.mcu.debug.is_halted();
+        if stalled > cpu.mcu.now || stands {
+            let until = if stands { limit } else { stalled.min(limit) };
             cpu.mcu.now = cpu.mcu.due.clamp(cpu.mcu.now, until);
             return Ok(true);
         }
@@ -306,6 +306,11 @@ impl Chip {
     /// When the timer of the ticks last began one, with steppers or drives on a bus.
     pub fn tick_began(&mut self) -> Time {
         self.mcu().ticks.began()
+    }
+
+    /// The most accesses to registers over APB1 and over APB2 in the interrupt of a tick.
+    pub fn most_accesses_in_a_tick(&self) -> [u32; 2] {
+        self.cpu().accesses.most()
     }
 
     /// What CAN1's program has met on the bus.

@@ -1,5 +1,6 @@
 //! The core between emulator and peripherals: what it runs, and when it has to stop.
 
+use crate::accesses::Accesses;
 use crate::figures::Figures;
 use crate::image::{CODE, Image};
 use crate::locate::access_in;
@@ -50,6 +51,9 @@ pub(crate) struct Cpu {
     pub(crate) idle: IdleLoop,
     /// What the program does, if a test asks.
     pub(crate) trace: Option<Trace>,
+    /// Accesses to registers in the ticks, and the exception of these.
+    pub(crate) accesses: Accesses,
+    pub(crate) tick: u32,
 }
 
 /// The idle loop's turns. One that runs the same blocks as the turn before, without an
@@ -160,6 +164,12 @@ impl Cpu {
             || self.mcu.bus_error
             || self.mcu.stalled_until > self.mcu.now
             || self.mcu.now >= self.limit
+    }
+
+    /// The program reads or writes a register.
+    pub(crate) fn count_access(&mut self, address: u32) {
+        let active = self.mcu.nvic.active.last().copied();
+        self.accesses.count(address, active, self.tick);
     }
 
     /// A register was written or read: the hook looks before the next block.

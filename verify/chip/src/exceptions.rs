@@ -57,6 +57,7 @@ impl Cpu {
         let back = if thread { 0xffff_fff9 } else { 0xffff_fff1 };
         self.mcu.nvic.enter(exception);
         self.figures.enter(exception);
+        self.accesses.enter(exception, self.tick);
         if let Some(trace) = &mut self.trace {
             trace.enter(exception);
         }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod access;
+mod accesses;
 mod amplifier;
 mod arm;
 mod bare;
@@ -9,10 +10,12 @@ mod callbacks;
 mod can_arm;
 mod chip;
 mod cpu;
+mod debug;
 mod defect;
 mod events;
 mod exceptions;
 mod figures;
+mod halt;
 mod hand;
 mod hold;
 mod host;

@@ -1,5 +1,6 @@
 //! Everything of the chip but its core: peripherals, their connections, and time.
 
+use crate::debug::Debug;
 use crate::defect::Defect;
 use crate::nvic::{NMI, Nvic};
 use crate::peripherals::adc::Adc;
@@ -77,8 +78,8 @@ pub(crate) struct Mcu {
     /// Period of the core's clock.
     pub(crate) core: Time,
     /// Cycles up to `cycles_at`, and that time.
-    cycles: u64,
-    cycles_at: Time,
+    pub(crate) cycles: u64,
+    pub(crate) cycles_at: Time,
     pub(crate) rcc: Rcc,
     pub(crate) flash: Flash,
     pub(crate) tim1: Tim1,
@@ -104,6 +105,7 @@ pub(crate) struct Mcu {
     pub(crate) nvic: Nvic,
     pub(crate) systick: SysTick,
     pub(crate) dwt: Dwt,
+    pub(crate) debug: Debug,
     pub(crate) ram: Box<[u8]>,
     pub(crate) wiring: Box<dyn Wiring>,
     pub(crate) outputs: Outputs,
@@ -152,6 +154,7 @@ impl Mcu {
             nvic: Nvic::new(),
             systick: SysTick::new(),
             dwt: Dwt::new(),
+            debug: Debug::default(),
             // Memory holds anything at power-up.
             ram: vec![0xa5; RAM_SIZE].into_boxed_slice(),
             wiring,
@@ -191,6 +194,9 @@ impl Mcu {
         self.nvic = Nvic::new();
         self.systick = SysTick::new();
         self.dwt = Dwt::new();
+        self.cycles = self.cycle_at(self.now);
+        self.cycles_at = self.now;
+        self.debug.reset(cause);
         self.stalled_until = 0;
         self.bus_error = false;
         self.reset = None;
@@ -198,13 +204,16 @@ impl Mcu {
         self.settle(self.now);
     }
 
-    /// Cycles of the core's clock up to a time.
+    /// Cycles that the core has counted up to a time; it counts none while a debugger halts it.
     pub(crate) fn cycle_at(&self, time: Time) -> u64 {
+        if self.debug.is_halted() {
+            return self.cycles;
+        }
         self.cycles + time.saturating_sub(self.cycles_at) / self.core
     }
 
     pub(crate) fn time_of_cycle(&self, cycle: u64) -> Time {
-        if cycle == NEVER {
+        if cycle == NEVER || self.debug.is_halted() {
             return NEVER;
         }
         self.cycles_at + cycle.saturating_sub(self.cycles) * self.core

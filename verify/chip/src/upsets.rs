@@ -76,15 +76,30 @@ impl Chip {
         Ok(())
     }
 
+    /// Runs on into the interrupt of the next tick, to the end of its first block of code.
+    ///
+    /// # Errors
+    /// The first violation.
+    pub fn run_into_tick(&mut self) -> Result<(), Report> {
+        self.run_below_the_interrupts()?;
+        while self.cpu().mcu.nvic.active.last() != Some(&self.cpu().tick) {
+            self.run(1)?;
+        }
+        Ok(())
+    }
+
     /// Runs on until no exception is active and none is masked.
-    fn run_below_the_interrupts(&mut self) -> Result<(), Report> {
+    ///
+    /// # Errors
+    /// The first violation.
+    pub fn run_below_the_interrupts(&mut self) -> Result<(), Report> {
         loop {
             let cpu = self.cpu();
             let masks = cpu.engine.get(Reg::BASEPRI) | cpu.engine.get(Reg::PRIMASK);
             if masks == 0 && cpu.mcu.nvic.active.is_empty() {
                 return Ok(());
             }
-            self.run(MICROSECOND)?;
+            self.run(MICROSECOND / 10)?;
         }
     }
 }

@@ -150,14 +150,14 @@ fn each_defect_of_a_chip_is_named_by_its_row() {
 #[test]
 fn a_crystal_of_another_frequency_and_a_noisy_line_are_named() {
     let options = Options {
-        crystal: 12e6,
+        crystal: 10e6,
         ..Options::default()
     };
     let wrong = wired(options, None);
     names(
         &wrong,
         "crystal",
-        "12.0 MHz, not 8; it would run the core at 252 MHz",
+        "10.0 MHz, from which the image does not make its clock",
     );
     let mut found: Vec<_> = wrong.rows.iter().map(|row| row.name).collect();
     let all = wired(Options::default(), None);

@@ -172,10 +172,10 @@ impl Bench {
         arm.plant().torque()
     }
 
-    /// Both drives give no torque from 3 ms on, and the controller has this fault.
+    /// Both drives give no torque from 4 ms on, and the controller has this fault.
     #[track_caller]
-    fn stops_within_3_ms(&mut self, fault: Fault) {
-        self.run(3 * MILLISECOND);
+    fn stops_within_4_ms(&mut self, fault: Fault) {
+        self.run(4 * MILLISECOND);
         for _ in 0..400 {
             assert_eq!(self.torque(), [0.0; 2]);
             self.run(50 * MICROSECOND);
@@ -311,7 +311,7 @@ fn each_tick_sends_its_frames_in_order_and_both_drives_answer() {
 }
 
 #[test]
-fn a_drive_that_is_silent_or_resets_leaves_both_without_torque_within_3_ms() {
+fn a_drive_that_is_silent_or_resets_leaves_both_without_torque_within_4_ms() {
     for kind in [
         FaultKind::CanSilent {
             joint: Joint::Joint1,
@@ -331,7 +331,7 @@ fn a_drive_that_is_silent_or_resets_leaves_both_without_torque_within_3_ms() {
             bench.run(phase * MICROSECOND);
             assert!(bench.torque().iter().all(|torque| torque.abs() > 1e-4));
             bench.arm.get().plant_mut().arm_mut().inject(kind);
-            bench.stops_within_3_ms(Fault::DriveSilent);
+            bench.stops_within_4_ms(Fault::DriveSilent);
         }
     }
 }
@@ -344,11 +344,13 @@ fn shorted_wires_take_the_chip_off_the_bus_and_it_returns_when_they_are_whole() 
     let ran = bench.line.chip().run_until(began + 950 * MICROSECOND);
     ran.expect("no violation");
     bench.arm.get().plant_mut().set_wires(Wires::Shorted);
-    bench.stops_within_3_ms(Fault::BusOff);
+    bench.stops_within_4_ms(Fault::BusOff);
     assert!(bench.statistics().failed >= 32);
     bench.arm.get().plant_mut().set_wires(Wires::Whole);
     bench.run(20 * MILLISECOND);
     bench.request(Request::ClearFault);
+    // The drives' watchdogs have tripped meanwhile; their heartbeats tell that this is cleared, too.
+    bench.run(110 * MILLISECOND);
     bench.arm_again();
 }
 
@@ -379,7 +381,7 @@ fn frames_of_others_are_not_taken_and_a_full_bus_delays_no_torque() {
         bench.arm.get().plant_mut().disturb_with(first);
     }
     let began = bench.line.chip().now();
-    bench.stops_within_3_ms(Fault::DriveSilent);
+    bench.stops_within_4_ms(Fault::DriveSilent);
     assert!(bench.statistics().aborted > now.aborted);
     let arm = bench.arm.get();
     let free = arm.frames.iter().rfind(|it| it.frame.id == 0);
@@ -419,7 +421,7 @@ fn a_bus_without_drives_is_no_bus_off_and_arms_nothing() {
 fn the_emergency_stop_ends_the_torque_in_a_tick() {
     let mut bench = Bench::moving(leg());
     bench.arm.get().press_stop(true);
-    bench.stops_within_3_ms(Fault::EmergencyStop);
+    bench.stops_within_4_ms(Fault::EmergencyStop);
 }
 
 /// The messages of the chip's frames from a time on.
@@ -472,7 +474,7 @@ fn without_its_crystal_the_chip_leaves_the_bus() {
     let mut bench = Bench::moving(leg());
     bench.line.chip().crystal_fails();
     let now = bench.line.chip().now();
-    bench.run(2 * MILLISECOND + 500 * MICROSECOND);
+    bench.run(4 * MILLISECOND + 500 * MICROSECOND);
     for _ in 0..100 {
         assert_eq!(bench.torque(), [0.0; 2]);
         bench.run(50 * MICROSECOND);

@@ -48,7 +48,7 @@ fn the_arm_homes_and_draws_without_losing_a_step() {
     let moves = scenario.moves(&job).expect("moves");
     let mut drive = Drive::new(&mut client, &|| false);
     drive.store_settings(&settings).expect("stored");
-    drive.home(Homing::Switches).expect("homed");
+    drive.home(Homing::IfUnknown).expect("homed");
     let mut worst: f64 = 0.0;
     let mut seen = 0;
     let followed = drive.follow(&moves, &settings, &mut |_, status| {

@@ -21,7 +21,7 @@ fn the_image_runs_from_power_up_through_a_job_to_disarm() {
     drive
         .store_settings(&settings())
         .expect("the settings are stored");
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
     drive
         .follow(&moves(), &settings(), &mut |_, _| ())
         .expect("the job is executed");

@@ -7,9 +7,10 @@
 //! | without power the brake is engaged | nothing else holds the arm |
 //! | the motors drive against the brake only to hold the arm | it would wear out, and hide the torque |
 //! | power only after an accepted `Arm` or `Home` | the arm moves only when a host wants it |
+//! | without power an arm on open-loop drives is not homed | nothing shows where it is |
 //! | no power under a fault that switches it off | it stays off until a host clears the fault |
 //! | no power in Stopped, and without known joint angles only while homing | |
-//! | a fault stays until it is cleared; only a power-off fault, or brakes that fail, replace another | |
+//! | a fault stays until it is cleared; only a power-off fault, brakes that fail, or a host that has left for a minute replace another | |
 //! | a pressed emergency stop switches the power off in its tick | |
 //! | no motion along a path with a host silent for longer than its timeout | |
 //! | the tool is off in its tick where no path is followed, after a stop, a fault or silence | nothing marks what the host did not ask for |
@@ -65,6 +66,8 @@ pub struct Rules {
     pub timeout: u32,
     /// The output with the tool off.
     pub tool_off: u16,
+    /// The drives are such as only power keeps in place.
+    pub open_loop: bool,
     fault: Option<Fault>,
 }
 
@@ -179,6 +182,12 @@ impl Rules {
                 format_args!("{state:?}"),
             );
         }
+        if self.open_loop && status.homed && !power {
+            return broken(
+                "without power an arm on open-loop drives is not homed",
+                format_args!("{state:?}, {:?}", status.fault),
+            );
+        }
         if power && sample.emergency_stop {
             return broken(
                 "a pressed emergency stop switches off in its tick",
@@ -238,7 +247,9 @@ impl Rules {
         };
         let replaced = status.fault.is_some_and(|now| {
             before.response() == Response::ControlledStop
-                && (now.response() == Response::PowerOff || now == Fault::BrakeFailed)
+                && (now.response() == Response::PowerOff
+                    || now == Fault::BrakeFailed
+                    || now == Fault::CommandTimeout && self.silence > self.timeout)
         });
         if status.fault == Some(before) || replaced || self.cleared || self.renewed {
             Ok(())

@@ -11,7 +11,7 @@ use fivebar_firmware::{Move, MoveKind, Status};
 const RULE: &str = "every state has a way out to motion, or to a named reason";
 
 /// Longest time for an arm to come to rest, and to follow the move at the end [ticks].
-const PATIENCE: u32 = 20_000;
+const TIMEOUT_TICKS: u32 = 20_000;
 /// Ticks of a mean of the current sensors' zeros with the bridges off.
 const ZEROS: u32 = 4_400;
 /// The move at the end turns joint 1 by so much [rad].
@@ -143,7 +143,7 @@ fn declare_and_arm(machine: &mut impl Machine) -> Result<Option<CommandError>, V
 /// Clears the fault as soon as the arm rests.
 fn clear_fault(machine: &mut impl Machine) -> Result<(), Violation> {
     let clear = HostCommand::Request(Request::ClearFault);
-    for _ in 0..PATIENCE {
+    for _ in 0..TIMEOUT_TICKS {
         match machine.send(clear)? {
             Some(CommandError::Request(RequestError::Moving)) => machine.pass(1)?,
             Some(error) => return Err(trapped(machine, &format!("{clear:?}: {error:?}"))),
@@ -204,7 +204,7 @@ fn wait(
     otherwise: &str,
     is_reached: fn(&Status) -> bool,
 ) -> Result<(), Violation> {
-    for _ in 0..PATIENCE {
+    for _ in 0..TIMEOUT_TICKS {
         if is_reached(&machine.status()) {
             return Ok(());
         }

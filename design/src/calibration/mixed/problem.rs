@@ -1,24 +1,27 @@
 //! Residuals and derivatives of all measurements of an arm, each divided by its σ.
 //!
-//! The unknowns are those of the arm, l1…l5, δ1, δ4 and with a plate x, y, φ; then x, y of each
+//! The unknowns are those of the arm, l1…l5, δ1, δ4 and with a plate x, y, φ, less what is held ([`Unknowns`]); then x, y of each
 //! hole; then eight of each photograph. The residuals are, in the order of the measurements,
 //!
 //! plate: T − P, bar: |C − C′| − L, hole: C − H, photograph: C − q(pixel).
 
 use super::photo::{self, in_plane, normalised};
 use crate::calibration::measurements::{Measurements, PhotoPoint};
-use crate::calibration::parameters::{Parameters, Vector10};
+use crate::calibration::parameters::Parameters;
 use crate::calibration::tip::{on_plate, posed};
+use crate::calibration::unknowns::Unknowns;
 use crate::fit::Rows;
 use fivebar_kinematics::five_bar::Side;
 use nalgebra::{DMatrix, DVector, SMatrix, Vector2};
 
-/// Unknowns of an arm without its placement.
+/// Derivatives of C: by l1…l5, δ1, δ4.
 const BARE: usize = 7;
 
 /// The measurements, as seen in one assembly mode.
 pub(super) struct Problem<'a> {
     measured: &'a Measurements,
+    /// Those of the arm.
+    unknowns: Unknowns,
     side: Side,
     holes: Vec<i64>,
     photos: Vec<Vec<Vector2<f64>>>,
@@ -28,29 +31,30 @@ pub(super) struct Problem<'a> {
 type Tip = (Vector2<f64>, SMatrix<f64, 2, BARE>);
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(measured: &'a Measurements, side: Side) -> Self {
+    /// `unknowns` are those of the arm over a plate.
+    pub(super) fn new(measured: &'a Measurements, unknowns: Unknowns, side: Side) -> Self {
         let pixels = |photo: &Vec<PhotoPoint>| {
             normalised(&photo.iter().map(|point| point.pixel).collect::<Vec<_>>())
         };
         Self {
             measured,
+            unknowns: match measured.plate.is_empty() {
+                true => unknowns.without_plate(),
+                false => unknowns,
+            },
             side,
             holes: measured.hole_numbers(),
             photos: measured.photos.iter().map(pixels).collect(),
         }
     }
 
-    /// How many unknowns of the arm there are: 10, or 7 without a plate.
-    pub(super) fn arm_unknowns(&self) -> usize {
-        if self.measured.plate.is_empty() {
-            BARE
-        } else {
-            10
-        }
+    /// The unknowns of the arm.
+    pub(super) fn arm_unknowns(&self) -> Unknowns {
+        self.unknowns
     }
 
     fn hole_at(&self, index: usize) -> usize {
-        self.arm_unknowns() + 2 * index
+        self.unknowns.count() + 2 * index
     }
 
     fn photo_at(&self, index: usize) -> usize {
@@ -63,10 +67,7 @@ impl<'a> Problem<'a> {
 
     /// The arm among the unknowns.
     pub(super) fn arm(&self, x: &DVector<f64>) -> Parameters {
-        let mut arm = Vector10::zeros();
-        let count = self.arm_unknowns();
-        arm.as_mut_slice()[..count].copy_from_slice(&x.as_slice()[..count]);
-        Parameters::of(&arm)
+        self.unknowns.parameters(x)
     }
 
     fn tip(&self, p: &Parameters, encoder: [f64; 2]) -> Option<Tip> {
@@ -82,9 +83,10 @@ impl<'a> Problem<'a> {
     /// The unknowns with this arm, and holes and photographs where they fit it best; none if the
     /// arm has too few of the poses.
     pub(super) fn start(&self, arm: &Parameters) -> Option<DVector<f64>> {
+        let arm = &self.unknowns.turned(arm);
         let mut x = DVector::zeros(self.unknowns());
-        let count = self.arm_unknowns();
-        x.as_mut_slice()[..count].copy_from_slice(&arm.vector().as_slice()[..count]);
+        x.rows_mut(0, self.unknowns.count())
+            .copy_from(&self.unknowns.vector(arm));
         for (index, number) in self.holes.iter().enumerate() {
             let touches = self.measured.holes.iter().filter(|t| t.hole == *number);
             let tips = touches.filter_map(|touch| Some(self.tip(arm, touch.encoder)?.0));
@@ -113,15 +115,13 @@ impl<'a> Problem<'a> {
         fivebar_kinematics::five_bar::Geometry::new(p.lengths).ok()?;
         let reach: f64 = p.lengths.iter().sum();
         let far = Vector2::new(reach, reach);
-        let mut rows = Builder::new(measured, self.unknowns());
+        let mut rows = Builder::new(measured, self.unknowns, self.unknowns());
         for touch in &measured.plate {
             let tip = posed(&p, touch.encoder, self.side).map(|pose| on_plate(&p, &pose));
             let position = tip.map_or(far, |tip| tip.position - touch.hole);
             let parts = tip.map(|tip| {
-                (
-                    0,
-                    DMatrix::from_column_slice(2, 10, tip.jacobian.as_slice()),
-                )
+                let j = DMatrix::from_column_slice(2, 10, tip.jacobian.as_slice());
+                (0, self.unknowns.columns(&j))
             });
             rows.pair(position, parts, sigma.plate);
         }
@@ -165,6 +165,8 @@ impl<'a> Problem<'a> {
 
 /// Rows that are filled from the top.
 struct Builder {
+    /// Those of the arm.
+    arm: Unknowns,
     residuals: DVector<f64>,
     jacobian: DMatrix<f64>,
     filled: usize,
@@ -174,21 +176,25 @@ struct Builder {
 type Part = (usize, DMatrix<f64>);
 
 impl Builder {
-    fn new(measured: &Measurements, unknowns: usize) -> Self {
+    fn new(measured: &Measurements, arm: Unknowns, unknowns: usize) -> Self {
         let photographed: usize = measured.photos.iter().map(Vec::len).sum();
         let pairs = measured.plate.len() + measured.holes.len() + photographed;
         let count = measured.bars.len() + 2 * pairs;
         Self {
+            arm,
             residuals: DVector::zeros(count),
             jacobian: DMatrix::zeros(count, unknowns),
             filled: 0,
         }
     }
 
+    /// `slope` are the derivatives by l1…l5, δ1, δ4.
     fn single(&mut self, residual: f64, slope: &[f64], sigma: f64) {
         self.residuals[self.filled] = residual / sigma;
-        for (column, slope) in slope.iter().enumerate() {
-            self.jacobian[(self.filled, column)] = slope / sigma;
+        for (column, &index) in self.arm.free().iter().enumerate() {
+            if let Some(slope) = slope.get(index) {
+                self.jacobian[(self.filled, column)] = slope / sigma;
+            }
         }
         self.filled += 1;
     }
@@ -219,7 +225,7 @@ impl Builder {
         match tip {
             Some((c, j)) => {
                 let j = DMatrix::from_column_slice(2, BARE, j.as_slice());
-                self.pair(c - position, [(0, j), own], sigma);
+                self.pair(c - position, [(0, self.arm.columns(&j)), own], sigma);
             }
             None => self.pair(far, [], sigma),
         }
@@ -233,12 +239,12 @@ mod tests {
     use crate::calibration::measurements::{
         Bar, Criterion, Deviations, HoleTouch, Measurements, PhotoPoint,
     };
-    use crate::calibration::{Parameters, Touch};
+    use crate::calibration::{Parameters, Touch, Unknowns};
     use fivebar_kinematics::five_bar::Side;
     use nalgebra::Vector2;
 
-    #[test]
-    fn the_derivatives_of_every_kind_equal_central_differences() {
+    /// Some measurements of each kind.
+    fn of_every_kind() -> Measurements {
         let mut noise = Noise::new(3);
         let mut off = |middle: f64, size: f64| middle + size * (2.0 * noise.uniform() - 1.0);
         let mut encoder = || [off(2.4, 0.3), off(0.8, 0.3)];
@@ -254,7 +260,7 @@ mod tests {
             encoder: encoder(),
             pixel: Vector2::from(pixel.map(f64::from)),
         });
-        let measured = Measurements {
+        Measurements {
             plate: (0..4)
                 .map(|_| Touch {
                     encoder: encoder(),
@@ -282,19 +288,35 @@ mod tests {
                 photo: 4e-3,
             },
             criterion: Criterion::LeastSquares,
-        };
-        let arm = Parameters {
-            lengths: [0.10, 0.16, 0.17, 0.11, 0.08],
+        }
+    }
+
+    #[test]
+    fn the_derivatives_of_every_kind_equal_central_differences() {
+        let measured = of_every_kind();
+        let arm = |base: f64| Parameters {
+            lengths: [0.10, 0.16, 0.17, 0.11, base],
             offsets: [0.02, -0.01],
             origin: [0.05, -0.03],
             turn: 0.4,
         };
-        for plate in [measured.plate.clone(), Vec::new()] {
+        let with_plate = [
+            (0.08, true, 10),
+            (0.08, false, 7),
+            (0.0, true, 8),
+            (0.0, false, 5),
+        ];
+        for (base, with_plate, count) in with_plate {
             let measured = Measurements {
-                plate,
+                plate: match with_plate {
+                    true => measured.plate.clone(),
+                    false => Vec::new(),
+                },
                 ..measured.clone()
             };
-            let problem = Problem::new(&measured, Side::Left);
+            let arm = arm(base);
+            let problem = Problem::new(&measured, Unknowns::of(arm.lengths), Side::Left);
+            assert_eq!(problem.arm_unknowns().count(), count);
             let mut x = problem.start(&arm).unwrap();
             let photo = [0.10, 0.02, -0.01, 0.12, 0.05, 0.20, 0.05, -0.04];
             x.rows_mut(problem.photo_at(0), 8).copy_from_slice(&photo);

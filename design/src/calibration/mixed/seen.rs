@@ -3,6 +3,7 @@
 use crate::calibration::error::CalibrationError;
 use crate::calibration::observability::{check_seen, covariance, rank_and_condition};
 use crate::calibration::parameters::Parameters;
+use crate::calibration::unknowns::Unknowns;
 use nalgebra::{DMatrix, SMatrix};
 
 /// The Jacobian of the arm's unknowns, its first columns, without what the other unknowns can take
@@ -31,15 +32,16 @@ pub(super) struct Seen {
 }
 
 /// Rank, condition and covariance from the rows over σ.
-pub(super) fn determined(arm: &DMatrix<f64>, p: &Parameters) -> Result<Seen, CalibrationError> {
-    let (rank, condition) = rank_and_condition(arm);
-    check_seen(arm, p, 1.0)?;
-    let found = covariance(arm, 1.0);
-    let mut all = SMatrix::<f64, 10, 10>::zeros();
-    all.view_mut((0, 0), found.shape()).copy_from(&found);
+pub(super) fn determined(
+    arm: &DMatrix<f64>,
+    unknowns: Unknowns,
+    p: &Parameters,
+) -> Result<Seen, CalibrationError> {
+    let (rank, condition) = rank_and_condition(arm, unknowns);
+    check_seen(arm, unknowns, p, 1.0)?;
     Ok(Seen {
         rank,
         condition,
-        covariance: all,
+        covariance: covariance(arm, unknowns, 1.0),
     })
 }

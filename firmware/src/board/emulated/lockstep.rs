@@ -2,7 +2,7 @@
 
 use super::instructions::InstructionCounter;
 use crate::board::{Board, stack};
-use crate::drives::{BrushedCommand, BrushedSample, DriveInterface};
+use crate::drives::{DriveInterface, Drives};
 use crate::protocol::StackUse;
 use crate::recorder::{Log, Recorder};
 use crate::settings::CheckedSettings;
@@ -41,15 +41,17 @@ impl<I: DriveInterface> Board<I::Drives, I::Sample, I::Command> for Lockstep<I> 
         sample: &ArmSample<I::Sample>,
     ) -> Option<(ArmCommand<I::Command>, u32)> {
         // On a board, too, only an emergency stop interrupts a tick.
-        let (command, instructions) = cortex_m::interrupt::free(|_| {
+        let (sensed, told, command, instructions) = cortex_m::interrupt::free(|_| {
             let start = self.counter.now();
             let sensed = I::sense(&mut self.link, sample);
-            let command = I::command(&mut self.link, &controller.tick(&sensed));
-            (command, self.counter.since(start))
+            let told = controller.tick(&sensed);
+            let command = I::command(&mut self.link, &told);
+            (sensed, told, command, self.counter.since(start))
         });
+        let (of_sample, of_command) = I::Drives::logged(&sensed.drives, &told.drives);
         LOG.recorder().record(
-            &sample.with_drives(BrushedSample::default()),
-            &command.with_drives(BrushedCommand::default()),
+            &sensed.with_drives(of_sample),
+            &told.with_drives(of_command),
             controller.ticks(),
         );
         Some((command, instructions))

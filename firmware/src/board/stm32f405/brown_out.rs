@@ -12,7 +12,7 @@ const KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
 /// 3, 3 is off), other than the names in the peripheral access crate.
 const LEVEL_3: u8 = 0;
 /// How often the busy flag is read before the operation counts as failed: over 1 s.
-const PATIENCE: u32 = 50_000_000;
+const TIMEOUT_READS: u32 = 50_000_000;
 
 /// Programs the option bytes once in the life of a chip. The level holds from the next reset on.
 /// Programming stalls the core for up to a second, so this is for the start only, before the
@@ -35,7 +35,7 @@ pub fn enable_reset(flash: &FLASH) -> u8 {
         .modify(|_, w| unsafe { w.bor_lev().bits(LEVEL_3) });
     flash.optcr().modify(|_, w| w.optstrt().set_bit());
     // If it fails, the next start tries again.
-    let _ = (0..PATIENCE).any(|_| flash.sr().read().bsy().bit_is_clear());
+    let _ = (0..TIMEOUT_READS).any(|_| flash.sr().read().bsy().bit_is_clear());
     flash.optcr().modify(|_, w| w.optlock().set_bit());
     found
 }

@@ -1,6 +1,7 @@
-//! 168 MHz from the 8 MHz crystal, or 16 MHz from the internal oscillator if that fails or is another.
+//! 168 MHz from the crystal, or 16 MHz from the internal oscillator if that fails or is one that the image does not take.
 
 use super::crystal;
+use crate::drivers::crystal::{Crystal, PllFactors};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use stm32f4xx_hal::pac;
@@ -9,7 +10,7 @@ use stm32f4xx_hal::rcc::{Rcc, RccExt};
 /// How often a ready flag is read before the start of an oscillator counts as failed. One read
 /// takes at least 5 cycles of the 16 MHz oscillator, so this is 60 ms or more: a crystal starts
 /// within 10 ms, the PLL locks within 0.3 ms.
-const PATIENCE: u32 = 200_000;
+const TIMEOUT_READS: u32 = 200_000;
 
 /// Cycles of the internal oscillator from one slow tick to the next: 1 kHz.
 const SLOW_TICK: u32 = 16_000;
@@ -20,7 +21,7 @@ pub enum Source {
     /// The crystal, through the PLL: 168 MHz.
     Crystal,
     /// The internal oscillator, 16 MHz ± 1 %: the crystal or the PLL did not start, or the crystal
-    /// is not one of 8 MHz.
+    /// is none that the image takes.
     Internal,
 }
 
@@ -70,8 +71,9 @@ pub fn start(mut rcc: pac::RCC, flash: &pac::FLASH, timer: &pac::TIM11) -> (Rcc,
         true => crystal::frequency(timer, &mut rcc),
         false => None,
     };
-    let is_right = crystal.is_some_and(crystal::is_right);
-    let source = if is_right && pll_locks(&rcc) && core_follows(&rcc, flash) {
+    let taken = crystal.and_then(Crystal::measured);
+    let locks = taken.is_some_and(|taken| pll_locks(&rcc, taken.pll()));
+    let source = if locks && core_follows(&rcc, flash) {
         rcc.cr().modify(|_, w| w.csson().on());
         Source::Crystal
     } else {
@@ -109,14 +111,15 @@ fn crystal_starts(rcc: &pac::RCC) -> bool {
 }
 
 /// Locks the PLL to the crystal; false if that takes too long.
-fn pll_locks(rcc: &pac::RCC) -> bool {
-    // 8 MHz / 4 · 168 / 2 = 168 MHz; / 7 = 48 MHz, the limit of the PLL's other output.
+fn pll_locks(rcc: &pac::RCC, factors: PllFactors) -> bool {
+    // 336 MHz / 2 = 168 MHz; / 7 = 48 MHz, the limit of the PLL's other output.
     rcc.pllcfgr().modify(|_, w| {
         w.pllsrc().hse();
-        // SAFETY: 4, 168 and 7 are within the ranges 2..=63, 50..=432 and 2..=15.
+        // SAFETY: 4 to 25, 168 or 336, and 7 are within the ranges 2..=63, 50..=432 and 2..=15.
         #[allow(unsafe_code)]
         unsafe {
-            w.pllm().bits(4).plln().bits(168).pllq().bits(7);
+            w.pllm().bits(factors.divider);
+            w.plln().bits(factors.multiplier).pllq().bits(7);
         }
         w.pllp().div2()
     });
@@ -125,7 +128,7 @@ fn pll_locks(rcc: &pac::RCC) -> bool {
 }
 
 fn within_patience(ready: impl Fn() -> bool) -> bool {
-    (0..PATIENCE).any(|_| ready())
+    (0..TIMEOUT_READS).any(|_| ready())
 }
 
 /// Starts SysTick's interrupt at 1 kHz: without a crystal no PWM starts the tick.
@@ -143,6 +146,7 @@ pub fn start_slow_tick(systick: &mut SYST) {
 pub fn acknowledge_failure() {
     // SAFETY: writing 1 to the flag clears it; nothing else writes the dividers after the start.
     let rcc = unsafe { &*pac::RCC::ptr() };
-    rcc.cir().modify(|_, w| w.cssc().set_bit());
+    // The other bits, which are zero, would let the clocks' readiness interrupt.
+    rcc.cir().write(|w| w.cssc().set_bit());
     rcc.cfgr().modify(|_, w| w.ppre1().div1().ppre2().div1());
 }

@@ -1,11 +1,10 @@
 //! The crystal's frequency, measured against the internal oscillator.
 //!
-//! With another crystal than 8 MHz everything would run at another speed: the core beyond its
+//! With another crystal than the clock is set up for everything would run at another speed: the core beyond its
 //! limit, the tick, the PWM, the serial line. TIM11 can capture the crystal's clock, divided as for
 //! the RTC (RM0090, TIM11_OR), while the core and the timer still run from the internal oscillator;
 //! the chip's own ROM loader measures its crystal so, too.
 
-use core::ops::RangeInclusive;
 use stm32f4xx_hal::pac::{RCC, TIM11};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
@@ -18,17 +17,9 @@ const EDGES: u32 = 8;
 const CRYSTAL_INPUT: u8 = 2;
 /// The internal oscillator [Hz].
 const INTERNAL: u32 = 16_000_000;
-/// Frequencies of a right crystal, as the internal oscillator measures them: it has −8 to +4.5 %
-/// over parts and temperature [Hz].
-const RIGHT: RangeInclusive<u32> = 7_600_000..=8_750_000;
 /// How often the flag of a capture is looked at: 10 ms or more, and a capture takes 0.1 ms with a
 /// crystal of 4 MHz.
-const PATIENCE: u32 = 30_000;
-
-/// Whether this is the frequency of a crystal of 8 MHz.
-pub fn is_right(frequency: u32) -> bool {
-    RIGHT.contains(&frequency)
-}
+const TIMEOUT_READS: u32 = 30_000;
 
 /// The running crystal's frequency [Hz]; none if two captures in a row did not come or were not read in
 /// time. The core must run from the internal oscillator, with the second bus undivided.
@@ -59,7 +50,7 @@ pub fn frequency(timer: &TIM11, rcc: &mut RCC) -> Option<u32> {
 
 /// The counter at the next capture; none if it does not come. Reading it clears the flag.
 fn capture(timer: &TIM11) -> Option<u16> {
-    (0..PATIENCE)
+    (0..TIMEOUT_READS)
         .any(|_| timer.sr().read().cc1if().bit_is_set())
         .then(|| timer.ccr1().read().ccr().bits())
 }

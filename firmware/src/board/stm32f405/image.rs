@@ -42,7 +42,7 @@ mod app {
     use fivebar_firmware::board::stm32f405::sensors::Sensors;
     use fivebar_firmware::board::stm32f405::services::{self, BoardServices};
     use fivebar_firmware::board::stm32f405::watchdog::Tasks;
-    use fivebar_firmware::board::stm32f405::{brown_out, post_mortem, pwm, serial, tool};
+    use fivebar_firmware::board::stm32f405::{brown_out, halt, post_mortem, pwm, serial, tool};
     use fivebar_firmware::drives::BrushedDrives;
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
@@ -91,12 +91,13 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let (device, mut core) = (cx.device, cx.core);
         let (reset, hung) = post_mortem::reset_reason(&device.RCC);
+        halt::prepare(&device.DBGMCU);
         let brown_out = brown_out::enable_reset(&device.FLASH);
         let (mut rcc, clocks) = clocks::start(device.RCC, &device.FLASH, &device.TIM11);
         let source = clocks.source;
         if source == Source::Internal {
             defmt::error!(
-                "no clock from a crystal of 8 MHz; it has {} Hz",
+                "no clock from a crystal that this image takes; it has {} Hz",
                 clocks.crystal
             );
         }
@@ -142,7 +143,9 @@ mod app {
             board::Board::<BrushedDrives>::use_settings(&mut services, settings);
         }
         let crystal_runs = source == Source::Crystal;
-        CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
+        if !crystal_runs {
+            CLOCK_FAILED.store(true, Ordering::Relaxed);
+        }
         defmt::info!("started after a reset: {}", reset);
 
         let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
@@ -177,6 +180,10 @@ mod app {
             log: EventLog::new(),
             source,
         };
+        if crystal_runs && CLOCK_FAILED.load(Ordering::Relaxed) {
+            // It failed meanwhile, and what came behind it set up pins and dividers as if it had not.
+            super::crystal_failed();
+        }
         let sample = SensorSample::default();
         (Shared { controller, sample }, local)
     }
@@ -328,7 +335,12 @@ unsafe fn DefaultHandler(_: i16) {
 /// tripped.
 #[exception]
 unsafe fn NonMaskableInt() {
-    pwm::unpower();
+    crystal_failed();
+}
+
+/// Whatever it interrupts. The power goes first, and no code that goes on gives it back.
+fn crystal_failed() {
+    pwm::unpower_until_reset();
     app::CLOCK_FAILED.store(true, core::sync::atomic::Ordering::Relaxed);
     clocks::acknowledge_failure();
     serial::follow_internal_oscillator();

@@ -12,6 +12,7 @@ pub mod clocks;
 pub mod crystal;
 pub mod cycles;
 pub mod encoders;
+pub mod halt;
 pub mod log;
 pub mod outputs;
 pub mod pins;

@@ -22,6 +22,8 @@ const TICKS_TO_CHECK: u8 = 8;
 const FLAGS: u32 = 0x1eff;
 /// PB14 and PB15, the bridges' sleep inputs: low is asleep, outputs floating.
 const SLEEP_PINS: u32 = 1 << 14 | 1 << 15;
+/// Their modes in MODER, two bits each; zeros: inputs.
+const SLEEP_MODES: u32 = 0b1111 << 28;
 
 /// IN1 and IN2 of bridge 1, IN1 and IN2 of bridge 4.
 pub type Pins = (
@@ -32,7 +34,7 @@ pub type Pins = (
 );
 
 /// Switches both bridges off by two register writes, from any context and in any state: for the
-/// handlers of panics and faults, which own no peripheral.
+/// handlers of panics and faults, which own no peripheral and end in a reset.
 #[allow(unsafe_code)]
 pub fn unpower() {
     // SAFETY: both writes only switch off, and the callers do not return to code that would
@@ -40,6 +42,22 @@ pub fn unpower() {
     unsafe {
         (*TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
         (*GPIOB::ptr()).bsrr().write(|w| w.bits(SLEEP_PINS << 16));
+    }
+}
+
+/// Switches both bridges off until the next reset, for a handler that returns.
+///
+/// A tick that it interrupts goes on to apply its command, which may wake the bridges up. So their sleep inputs are no
+/// outputs of the chip any more, and no tick makes them that; the bridges' pull-downs keep them low. The timer's outputs
+/// may be connected until the next tick: to bridges that are asleep.
+pub fn unpower_until_reset() {
+    unpower();
+    // SAFETY: nothing else writes the register after the start, which calls this again at its end.
+    #[allow(unsafe_code)]
+    unsafe {
+        (*GPIOB::ptr())
+            .moder()
+            .modify(|modes, w| w.bits(modes.bits() & !SLEEP_MODES));
     }
 }
 

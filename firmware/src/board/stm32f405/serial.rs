@@ -22,7 +22,7 @@ const SEND_STREAM: usize = 7;
 const CHANNEL: u8 = 4;
 /// How often a flag is read before a frame is dropped: at 3 cycles or more each, longer than the
 /// 2.6 ms that the longest frame takes.
-const PATIENCE: u32 = 150_000;
+const TIMEOUT_READS: u32 = 150_000;
 
 /// Memory that the DMA reads and writes; it must be `'static`.
 pub struct Buffers {
@@ -235,5 +235,5 @@ impl Sender {
 }
 
 fn within_patience(ready: impl Fn() -> bool) -> bool {
-    (0..PATIENCE).any(|_| ready())
+    (0..TIMEOUT_READS).any(|_| ready())
 }

@@ -23,7 +23,7 @@ const SECTORS: usize = 4;
 /// The sequence that unlocks the control register.
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 /// How often the busy flag is read before an operation counts as failed: over 5 s.
-const PATIENCE: u32 = 200_000_000;
+const TIMEOUT_READS: u32 = 200_000_000;
 /// No operation.
 const NO_TIME: FlashTime = FlashTime {
     longest: 0,
@@ -107,7 +107,7 @@ impl SettingsFlash {
         });
         let began = DWT::cycle_count();
         operation(&self.flash);
-        let finished = (0..PATIENCE).any(|_| self.flash.sr().read().bsy().bit_is_clear());
+        let finished = (0..TIMEOUT_READS).any(|_| self.flash.sr().read().bsy().bit_is_clear());
         let took = DWT::cycle_count().wrapping_sub(began);
         self.time.longest = self.time.longest.max(took);
         self.time.operations = self.time.operations.saturating_add(1);

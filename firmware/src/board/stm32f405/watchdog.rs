@@ -2,8 +2,10 @@
 //!
 //! Its oscillator has 32 kHz nominally, 17 to 47 kHz over parts and temperature. New values
 //! take five of its cycles to arrive (0.3 ms at most), and a refresh before that loads the old
-//! ones; so every change here waits for its arrival and then refreshes.
+//! ones; so every change here waits for its arrival and then refreshes. It counts on while a debugger halts the core
+//! ([`halt`]).
 
+use super::halt;
 use bitflags::bitflags;
 use core::sync::atomic::{AtomicU32, Ordering};
 use stm32f4xx_hal::pac::IWDG;
@@ -13,7 +15,7 @@ const ACCESS: u16 = 0x5555;
 const REFRESH: u16 = 0xaaaa;
 const START: u16 = 0xcccc;
 /// How often the update flags are looked at: more than 5 slow cycles, even of the fastest core.
-const PATIENCE: u32 = 100_000;
+const TIMEOUT_READS: u32 = 100_000;
 
 /// A prescaler, as its register's value, and a reload value.
 #[derive(Clone, Copy)]
@@ -75,6 +77,7 @@ impl Watchdog {
         if ALIVE.load(Ordering::Relaxed) == Tasks::all().bits() {
             ALIVE.store(0, Ordering::Relaxed);
             self.write_key(REFRESH);
+            halt::keep_watchdog_counting();
         }
     }
 
@@ -100,7 +103,7 @@ impl Watchdog {
             status.pvu().bit_is_clear() && status.rvu().bit_is_clear()
         };
         // If they never arrive, the old values stay: they are as safe.
-        let _ = (0..PATIENCE).any(|_| arrived());
+        let _ = (0..TIMEOUT_READS).any(|_| arrived());
         self.write_key(REFRESH);
     }
 

@@ -101,7 +101,7 @@ fn braked_for(velocity: [f32; 2]) -> u32 {
     let braked = |_: &u32| {
         matches!(
             controller.brake_excited(&measurement),
-            WithoutReference::Excited
+            UnpoweredOutput::Excited
         )
     };
     1 + (0..10_000).take_while(braked).count() as u32

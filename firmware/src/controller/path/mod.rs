@@ -10,7 +10,7 @@ mod brake;
 mod output;
 mod queue;
 
-use super::turns::REACTION;
+use super::time_slices::REACTION;
 use crate::safety::Limits;
 use crate::settings::Share;
 use brake::{Brake, TimeScaling};

@@ -5,7 +5,7 @@ mod motor;
 mod motor_check;
 mod oscillation;
 
-use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage};
+use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::Demand;
 use crate::safety::Fault;
 use crate::settings::{CheckedSettings, Settings};
@@ -69,6 +69,11 @@ impl Drives for BrushedDrives {
     type Command = BrushedCommand;
 
     const NEEDS: Needs = Needs::Torque;
+
+    #[inline(always)]
+    fn logged(sample: &BrushedSample, command: &BrushedCommand) -> (BrushedSample, BrushedCommand) {
+        (*sample, *command)
+    }
     const WAKE_UP_TIME: f32 = crate::drivers::WAKE_UP_TIME;
 
     fn new(settings: &CheckedSettings) -> Self {
@@ -181,6 +186,12 @@ impl Drives for BrushedDrives {
 
     fn wake(&mut self, _: [i32; 2]) {
         self.zeros.restart();
+    }
+
+    /// The controller counts the encoders, which the board feeds.
+    #[inline(always)]
+    fn unpowered_place(&self) -> UnpoweredPlace {
+        UnpoweredPlace::Kept
     }
 
     fn is_ready(&self) -> bool {

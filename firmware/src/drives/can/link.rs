@@ -1,7 +1,7 @@
 //! The link between the tick and two drives on a bus: commands out, answers in, and how old these are.
 
 use super::{BusSetup, Frame, mit, odrive};
-use crate::drives::{DriveHealth, DriveStiffness, TorqueSample, TorqueSetPoint};
+use crate::drives::{DriveHealth, DriveStiffness, OLDEST_ANSWER, TorqueSample, TorqueSetPoint};
 use crate::settings::CheckedSettings;
 use core::f32::consts::TAU;
 use heapless::Vec;
@@ -31,6 +31,8 @@ pub struct Link {
     drives: [Drive; 2],
     /// Ticks after which a drive without a heartbeat is silent.
     heartbeat_ticks: u16,
+    /// Time of a tick [s].
+    period: f32,
 }
 
 /// What the link knows of one drive.
@@ -41,8 +43,9 @@ struct Drive {
     gear_ratio: f32,
     /// Of the encoder.
     counts_per_turn: f32,
-    /// Where its shaft is.
+    /// Where its shaft is, and how fast it turned at its last answer [turns/s].
     turns: f32,
+    speed: f32,
     /// At its shaft [N·m/rad], [N·m·s/rad].
     stiffness: f32,
     damping: f32,
@@ -56,10 +59,26 @@ struct Drive {
     enabled: u8,
     /// It has told once that it gives torque, so not telling it means that it gives none.
     tells_state: bool,
+    /// Ticks for which an error that it tells may be the one that it was told to clear.
+    clearing: u8,
+}
+
+/// What a drive is to do in a tick, besides its motion.
+#[derive(Clone, Copy)]
+struct DriveOrder {
+    /// Give torque.
+    enable: bool,
+    /// Make its spring and damper. ODrive has these gains from its start on, and its position is exact.
+    is_stiff: bool,
+    /// Clear its errors, in the place of all else.
+    clears: bool,
 }
 
 /// Ticks after which a drive has got all that makes it give torque.
 const STARTED: u8 = 4;
+/// Ticks after the order to clear its errors for which a drive may still tell them: what it sent before the order came,
+/// and what is as late as an answer may be. A drive tells an error that stays again later.
+const CLEARING: u8 = OLDEST_ANSWER as u8 + 1;
 
 impl Link {
     /// The link to the drives of these nodes, on an arm of these settings.
@@ -78,16 +97,19 @@ impl Link {
                     gear_ratio: axis.gear_ratio,
                     counts_per_turn: axis.encoder_counts as f32,
                     turns: 0.0,
+                    speed: 0.0,
                     torque: 0.0,
                     health: DriveHealth::Off,
                     age: u16::MAX,
                     heartbeat_age: u16::MAX,
                     enabled: 0,
                     tells_state: false,
+                    clearing: 0,
                 },
             ),
             // `as` saturates, and cuts.
             heartbeat_ticks: (heartbeats * settings.control.tick_rate + 0.5) as u16,
+            period: 1.0 / settings.control.tick_rate,
         }
     }
 
@@ -118,12 +140,17 @@ impl Link {
         }
     }
 
-    /// The drives' counts and the rest of a tick's sample, once in each tick: answers grow old by a tick.
+    /// The drives' counts and the rest of a tick's sample, once in each tick: answers grow old by a tick. In the place
+    /// of an answer that is late, the shaft has turned on as fast as it did.
     pub fn sample(&mut self, bus_off: bool) -> ([i32; 2], TorqueSample) {
         let needs_heartbeat = self.protocol == Protocol::Odrive;
         for drive in &mut self.drives {
             drive.age = drive.age.saturating_add(1);
             drive.heartbeat_age = drive.heartbeat_age.saturating_add(1);
+            drive.clearing = drive.clearing.saturating_sub(1);
+            if (2..=OLDEST_ANSWER).contains(&drive.age) {
+                drive.turns += drive.speed * self.period;
+            }
         }
         let [drive1, drive4] = &self.drives;
         let age = |drive: &Drive| match needs_heartbeat {
@@ -145,9 +172,16 @@ impl Link {
         let ([torque1, torque4], [ahead1, ahead4]) = (set_point.torque, set_point.ahead);
         let ([omega1, omega4], [enable1, enable4]) = (set_point.velocity, enable);
         let [drive1, drive4] = &mut self.drives;
+        let order = |enable| DriveOrder {
+            enable,
+            is_stiff: set_point.is_stiff,
+            clears: set_point.clear_errors,
+        };
         // Two drives have two frames each at most.
-        let _ = frames.push(drive1.command(&self.protocol, enable1, [torque1, ahead1, omega1]));
-        let _ = frames.push(drive4.command(&self.protocol, enable4, [torque4, ahead4, omega4]));
+        let _ =
+            frames.push(drive1.command(&self.protocol, order(enable1), [torque1, ahead1, omega1]));
+        let _ =
+            frames.push(drive4.command(&self.protocol, order(enable4), [torque4, ahead4, omega4]));
         if self.protocol == Protocol::Odrive {
             for drive in [drive1, drive4] {
                 let _ = frames.push(odrive::ask_for_estimates(drive.node));
@@ -158,8 +192,20 @@ impl Link {
 
 impl Drive {
     /// This tick's command, for a torque [N·m], an angle from where the joint was sensed [rad] and a velocity [rad/s], at the
-    /// joint.
-    fn command(&mut self, protocol: &Protocol, enable: bool, wanted: [f32; 3]) -> Frame {
+    /// joint. Errors are cleared in the place of it.
+    fn command(
+        &mut self,
+        protocol: &Protocol,
+        DriveOrder {
+            enable,
+            is_stiff,
+            clears,
+        }: DriveOrder,
+        wanted: [f32; 3],
+    ) -> Frame {
+        if clears && let Some(frame) = self.clear(protocol) {
+            return frame;
+        }
         let before = self.enabled;
         self.enabled = match enable {
             true if before < STARTED => before + 1,
@@ -194,14 +240,27 @@ impl Drive {
                 let command = mit::Command {
                     position: turns * TAU,
                     velocity: omega,
-                    stiffness: self.stiffness,
-                    damping: self.damping,
+                    stiffness: if is_stiff { self.stiffness } else { 0.0 },
+                    damping: if is_stiff { self.damping } else { 0.0 },
                     torque: drive_torque,
                 };
                 Frame::new(node.into(), command.encode(ranges))
             }
             (Protocol::Mit(_), _, false) => mit::enable(node, false),
         }
+    }
+
+    /// The frame that clears its errors, if it may get one. Until it tells an error again, it has none.
+    fn clear(&mut self, protocol: &Protocol) -> Option<Frame> {
+        let frame = match protocol {
+            Protocol::Odrive => odrive::clear_errors(self.node),
+            Protocol::Mit(_) if self.health == DriveHealth::Error => mit::clear_error(self.node),
+            Protocol::Mit(_) => return None,
+        };
+        self.torque = 0.0;
+        self.health = DriveHealth::Off;
+        self.clearing = CLEARING;
+        Some(frame)
     }
 
     fn told(&mut self, message: &odrive::Message) {
@@ -211,30 +270,39 @@ impl Drive {
                 self.health = match (error, state) {
                     (0, odrive::CLOSED_LOOP) => DriveHealth::Drives,
                     (0, _) => DriveHealth::Off,
-                    _ => DriveHealth::Error,
+                    _ => self.error(),
                 };
             }
-            odrive::Message::Estimates { position, .. } => self.is_at(position),
+            odrive::Message::Estimates { position, velocity } => self.is_at(position, velocity),
         }
     }
 
     fn replied(&mut self, reply: &mit::Reply) {
         self.tells_state |= reply.is_enabled();
         self.health = if reply.is_error() {
-            DriveHealth::Error
+            self.error()
         } else if reply.is_enabled() || !self.tells_state {
             DriveHealth::Drives
         } else {
             DriveHealth::Off
         };
         self.torque = reply.torque;
-        self.is_at(reply.position / TAU);
+        self.is_at(reply.position / TAU, reply.velocity / TAU);
     }
 
-    /// An answer: the shaft is at this position [turns]. One that is not a number is none.
-    fn is_at(&mut self, turns: f32) {
-        if turns.is_finite() {
+    /// What an error that it tells means.
+    fn error(&self) -> DriveHealth {
+        match self.clearing {
+            0 => DriveHealth::Error,
+            _ => DriveHealth::Off,
+        }
+    }
+
+    /// An answer: the shaft is at this position [turns], with this speed [turns/s]. One that is not a number is none.
+    fn is_at(&mut self, turns: f32, speed: f32) {
+        if turns.is_finite() && speed.is_finite() {
             self.turns = turns;
+            self.speed = speed;
             self.age = 0;
         }
     }

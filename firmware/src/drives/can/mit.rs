@@ -18,9 +18,9 @@ pub const MOST_NODE: u8 = BusKind::Mit.most_node();
 pub const ANSWER: u16 = 0;
 
 /// The greatest stiffness [N·m/rad] of a command.
-const STIFFNESS: f32 = 500.0;
+pub const STIFFNESS: f32 = 500.0;
 /// The greatest damping [N·m·s/rad] of a command.
-const DAMPING: f32 = 5.0;
+pub const DAMPING: f32 = 5.0;
 
 /// The state of a drive that makes its torque; one without this has 0.
 const ENABLED: u8 = 1;
@@ -31,6 +31,8 @@ const FIRST_ERROR: u8 = 8;
 const ENTER: Payload = [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFC];
 /// What makes it give none.
 const LEAVE: Payload = [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFD];
+/// What makes a drive that tells an error clear it. Others would take it for a command of the greatest values.
+const CLEAR: Payload = [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFB];
 
 /// The ranges of a drive, which differ from one to another: from minus this to this.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,6 +118,11 @@ impl Reply {
 /// Makes the drive give torque, or none. It answers.
 pub const fn enable(node: u8, on: bool) -> Frame {
     Frame::new(node as u16, if on { ENTER } else { LEAVE })
+}
+
+/// Clears the error of a drive, which must have told one: only those that tell their state know this frame.
+pub const fn clear_error(node: u8) -> Frame {
+    Frame::new(node as u16, CLEAR)
 }
 
 /// A value within a range as a share of 2ⁿ − 1. Of what is not a number, the least.

@@ -2,7 +2,7 @@
 //! sample of the drives' answers.
 //!
 //! In each tick the [`Link`] sends one command to each drive, and each drive answers once. So the bus carries the same
-//! frames in every tick, and a drive that does not answer is noticed in the next one.
+//! frames in every tick, and a drive that does not answer is noticed; one late answer is tolerated.
 
 mod bus_drives;
 mod link;
@@ -11,6 +11,7 @@ pub mod odrive;
 mod setup;
 mod waiting;
 
+use crate::safety::TOLERATED_TICKS;
 pub use bus_drives::{BusCommand, BusDrives, BusSample, UNKNOWN};
 pub use link::{Frames, Link, MOST_FRAMES, Protocol};
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,19 @@ pub const BIT_RATE: f32 = 1e6;
 /// The greatest share of the busiest tick that frames may take. In a tick without heartbeats the rest has room for
 /// frames that are sent again after an error.
 pub const MOST_LOAD: f32 = 0.95;
+
+/// Ticks without a command after which a drive's own watchdog ends its torque: those that the controller may miss, the one
+/// that is due, and one because a frame may come early in one tick and late in another.
+pub const WATCHDOG_TICKS: u32 = TOLERATED_TICKS + 2;
+
+/// The time that the drives' own watchdogs are set to [s], with so many ticks in a second.
+///
+/// ```
+/// assert_eq!(fivebar_firmware::drives::can::watchdog(1000.0), 4e-3);
+/// ```
+pub fn watchdog(tick_rate: f32) -> f32 {
+    WATCHDOG_TICKS as f32 / tick_rate
+}
 
 /// Data of a frame.
 pub type Payload = [u8; 8];

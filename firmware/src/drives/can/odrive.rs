@@ -22,6 +22,7 @@ const GET_ENCODER_ESTIMATES: u16 = 0x09;
 const SET_CONTROLLER_MODE: u16 = 0x0B;
 const SET_INPUT_POS: u16 = 0x0C;
 const SET_POS_GAIN: u16 = 0x1A;
+const CLEAR_ERRORS: u16 = 0x18;
 const SET_VEL_GAINS: u16 = 0x1B;
 
 /// Control mode and input mode: position, velocity and torque are what the last message asks for.
@@ -85,6 +86,11 @@ pub const fn set_axis_state(node: u8, state: u8) -> Frame {
     Frame::new(id(node, SET_AXIS_STATE), data)
 }
 
+/// Clears the errors of a drive, which it keeps until then. It gives no torque by that.
+pub const fn clear_errors(node: u8) -> Frame {
+    Frame::new(id(node, CLEAR_ERRORS), [0; 8])
+}
+
 /// Makes the drive follow [`set_input`].
 pub const fn set_mode(node: u8) -> Frame {
     let data = pair(POSITION_CONTROL.to_le_bytes(), PASS_THROUGH.to_le_bytes());
@@ -104,7 +110,8 @@ pub const fn ask_for_estimates(node: u8) -> Frame {
 pub enum Message {
     /// Sent by itself, see [`PERIOD`].
     Heartbeat {
-        /// Error flags of the axis; 0: none.
+        /// Error flags of the axis, those that are active and the reason of its last end: 0 is none. They stay until
+        /// [`clear_errors`].
         error: u32,
         /// Its state.
         state: u8,

@@ -1,9 +1,15 @@
 //! Strokes as a job: sorted for short travel, each pen's after those of the one before.
 
-use super::motion::{MIN_LENGTH, within_reach};
-use super::{
-    Action, Job, JobError, JobOptions, Placement, Step, Stop, Warning, WarningKind, order,
-};
+use super::motion::MIN_LENGTH;
+use super::order::Order;
+use super::{Action, Job, JobError, JobOptions, Placement, Step, Stop, Warning, WarningKind};
+
+/// Most pens: plotters have fewer.
+const MOST_PENS: usize = 255;
+/// Longer drawings [m] are a mistake in the units.
+const LONGEST: f64 = 1e3;
+/// Coordinates beyond this [m] are a mistake: no national grid has larger ones.
+const FARTHEST: f64 = 1e8;
 
 /// A polyline [m].
 pub(super) type Stroke = Vec<[f64; 2]>;
@@ -27,6 +33,20 @@ pub(super) fn job(
         ..Job::default()
     };
     pens.retain(|pen| !pen.strokes.is_empty());
+    let length = placement.scale * longest_side(&pens);
+    if length > LONGEST {
+        return Err(JobError::Drawing(format!(
+            "the drawing is {length:.0} m long, out of reach of any arm: check its units"
+        )));
+    }
+    if pens.len() > MOST_PENS {
+        let what = "the drawing has more layers than pens: all are drawn with one";
+        job.warnings
+            .push(Warning::at(0, WarningKind::Drawing(what.into())));
+        let strokes = pens.into_iter().flat_map(|pen| pen.strokes).collect();
+        let name = String::new();
+        pens = vec![Pen { name, strokes }];
+    }
     if pens.len() > 1 {
         let names = pens.iter().map(|pen| pen.name.clone()).collect();
         job.warnings.push(Warning::at(0, WarningKind::Pens(names)));
@@ -34,6 +54,7 @@ pub(super) fn job(
     let mut end = [0.0; 2];
     let mut at: Option<[f64; 2]> = None;
     let mut number = 0;
+    let mut order = Order::default();
     for pen in pens {
         if number > 0 {
             job.stops.push(Stop {
@@ -43,7 +64,7 @@ pub(super) fn job(
                 name: Some(pen.name),
             });
         }
-        for stroke in order::sorted(pen.strokes, end) {
+        for stroke in order.sorted(pen.strokes, end) {
             number += 1;
             for (index, &point) in stroke.iter().enumerate() {
                 end = point;
@@ -68,6 +89,32 @@ pub(super) fn job(
     Ok(job)
 }
 
+/// The longer side of the box around all strokes [m].
+fn longest_side(pens: &[Pen]) -> f64 {
+    let points = || pens.iter().flat_map(|pen| &pen.strokes).flatten();
+    let side = |axis: usize| {
+        let low = points()
+            .map(|point| point[axis])
+            .fold(f64::INFINITY, f64::min);
+        let high = points()
+            .map(|point| point[axis])
+            .fold(f64::NEG_INFINITY, f64::max);
+        high - low
+    };
+    side(0).max(side(1)).max(0.0)
+}
+
 fn checked(coordinate: f64) -> Result<f64, JobError> {
-    within_reach(coordinate).map_err(|error| JobError::Drawing(error.to_string()))
+    within_earth(coordinate).map_err(JobError::Drawing)
+}
+
+/// The coordinate of a drawing [m], unless it is a mistake in the units. National coordinates have their
+/// zero thousands of kilometres away; the drawing is moved to the arm.
+pub(super) fn within_earth(coordinate: f64) -> Result<f64, String> {
+    match coordinate.abs() <= FARTHEST {
+        true => Ok(coordinate),
+        false => Err(format!(
+            "a point at {coordinate:e} m is farther away than any drawing: check the units"
+        )),
+    }
 }

@@ -1,6 +1,9 @@
 //! Why a job is refused, and which parts of it are skipped.
 
 use super::Dialect;
+use crate::budget::OverBudget;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 
 /// Why a job is refused.
@@ -25,6 +28,9 @@ pub enum JobError {
     /// A drawing in SVG or HPGL that cannot be drawn.
     #[error("{0}")]
     Drawing(String),
+    /// The job was read in a process of its own, which has refused it or has needed more than it may.
+    #[error("{0}")]
+    Refused(String),
     /// The file has another format.
     #[error("this is {name}, and no G-code, SVG or HPGL: {remedy}")]
     Format {
@@ -39,6 +45,9 @@ pub enum JobError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GcodeError {
+    /// The job is too long.
+    #[error(transparent)]
+    TooMuch(#[from] OverBudget),
     /// The line is no G-code.
     #[error("{0}")]
     Syntax(String),
@@ -96,6 +105,9 @@ pub enum GcodeError {
     /// A word that no code of the line uses.
     #[error("{0} has no meaning on this line; remove it")]
     StrayWord(char),
+    /// A word that moves an axis of another machine.
+    #[error("{0} moves an axis that this arm does not have: let the program write X, Y and Z only")]
+    NoAxis(char),
     /// Coordinates before any of G0 to G3.
     #[error("coordinates without a motion; start the line with G0, G1, G2 or G3")]
     NoMode,
@@ -142,7 +154,7 @@ pub enum GcodeError {
 }
 
 /// A note on a job: what is skipped, or how it is read where that is not certain.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Warning {
     /// The first line, from 1; 0 if the note is on the whole job.
     pub line: u32,
@@ -153,7 +165,7 @@ pub struct Warning {
 }
 
 /// What was found.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum WarningKind {
     /// An M code that is not supported.
@@ -183,6 +195,16 @@ pub enum WarningKind {
     Parking,
     /// No word moves or switches the tool.
     NoToolWords,
+    /// A motion before any F.
+    NoFeed,
+    /// Another speed was asked for than F.
+    FeedReplaced,
+    /// A line that begins with a slash.
+    BlockDelete,
+    /// Blanks within a number.
+    Blanks,
+    /// A word of an axis that the arm does not have, which does not move.
+    NoAxis(char),
     /// Speeds above this one [m/s], the arm's greatest.
     Speed(f64),
     /// The arm ends in its other assembly mode.
@@ -193,8 +215,10 @@ pub enum WarningKind {
     Pens(Vec<String>),
     /// What of a drawing is not read, by its name in the file.
     LeftOut(String),
+    /// Notes of more kinds than are kept.
+    Others,
     /// A part of a drawing that is drawn otherwise or not at all.
-    Drawing(&'static str),
+    Drawing(Cow<'static, str>),
 }
 
 impl Warning {
@@ -216,6 +240,7 @@ fn dwell_unit(dialect: Dialect) -> &'static str {
 }
 
 impl fmt::Display for Warning {
+    #[expect(clippy::too_many_lines, reason = "a list of sentences")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.line > 0 {
             write!(f, "line {}: ", self.line)?;
@@ -258,6 +283,17 @@ impl fmt::Display for Warning {
                     "no code moves or switches the tool: it is down on G1, G2 and G3, and up on G0",
                 );
             }
+            WarningKind::NoFeed => f.write_str(
+                "no F gives a speed: what follows is drawn at the arm's greatest speed, or at that of --speed",
+            ),
+            WarningKind::FeedReplaced => f.write_str("--speed takes the place of F"),
+            WarningKind::BlockDelete => {
+                f.write_str("a line that begins with / is carried out, as with block delete off")
+            }
+            WarningKind::Blanks => f.write_str("blanks within a number are left out: X1 0 is X10"),
+            WarningKind::NoAxis(axis) => {
+                write!(f, "{axis}0 is skipped, because the arm has no axis {axis}")
+            }
             WarningKind::Speed(limit) => write!(
                 f,
                 "the feed rate is above the arm's greatest speed and becomes {limit} m/s (F{:.0})",
@@ -283,6 +319,7 @@ impl fmt::Display for Warning {
                 );
             }
             WarningKind::LeftOut(what) => write!(f, "left out: {what}; convert it to lines first"),
+            WarningKind::Others => f.write_str("here and below are more notes, of other kinds"),
             WarningKind::Drawing(what) => f.write_str(what),
         }?;
         if self.count > 1 {

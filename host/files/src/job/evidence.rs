@@ -9,6 +9,9 @@ use super::{ToolWords, Warning, WarningKind};
 /// Heights closer than this are the same [m].
 const LEAST_LIFT: f64 = 1e-6;
 
+/// Most angles of a servo among which that of the pen down is looked for: a pen has two.
+const MOST_ANGLES: usize = 100;
+
 /// What was seen while the job was read for the first time.
 #[derive(Clone, Debug)]
 pub(super) struct Evidence {
@@ -89,9 +92,11 @@ impl Evidence {
 
     fn servo_angle(&mut self, angle: Option<f64>, motions: u32) {
         let Some(angle) = angle else { return };
+        let is_room = self.servo.len() < MOST_ANGLES;
         match self.servo.iter_mut().find(|(other, _)| *other == angle) {
             Some((_, count)) => *count += motions,
-            None => self.servo.push((angle, motions)),
+            None if is_room => self.servo.push((angle, motions)),
+            None => {}
         }
     }
 

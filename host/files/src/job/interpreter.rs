@@ -11,6 +11,7 @@ use super::options::Dialect;
 use super::tool::{Activity, Rules, ToolState};
 use super::words::{Line, Words, spelled};
 use super::{Action, GcodeError, Job, JobError, JobOptions, Placement, Step, Stop, WarningKind};
+use crate::budget::Budget;
 use fivebar_firmware::planner::LONGEST;
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 
@@ -28,9 +29,9 @@ pub(super) fn interpret(
 ) -> Result<Job, JobError> {
     let lines = read(text);
     // An error of the first reading comes again in the second.
-    let (_, evidence) = run(&lines, placement, UNDECIDED);
+    let (_, evidence) = run(&lines, placement, options, UNDECIDED);
     let (rules, notes) = evidence.rules(options);
-    let (job, _) = run(&lines, placement, rules);
+    let (job, _) = run(&lines, placement, options, rules);
     let mut job = job?;
     job.warnings.extend(notes);
     note_assembly(&mut job);
@@ -53,6 +54,9 @@ fn note_assembly(job: &mut Job) {
         job.note(line, WarningKind::OtherAssembly);
     }
 }
+
+/// The axes of machines that turn or have a second tool.
+const AXES_OF_OTHERS: [char; 6] = ['A', 'B', 'C', 'U', 'V', 'W'];
 
 /// How slicers begin the comment before the first layer.
 const LAYER: [&str; 3] = [";LAYER", "; CHANGE_LAYER", ";BEFORE_LAYER_CHANGE"];
@@ -80,8 +84,12 @@ fn read(text: &str) -> Vec<SourceLine<'_>> {
         .split('\n')
         .flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'));
     let mut lines = Vec::new();
+    let mut budget = Budget::lines();
     for (number, text) in (1..).zip(texts) {
-        let line = Line::read(text);
+        let line = match budget.take(1) {
+            Ok(()) => Line::read(text),
+            Err(over) => Err(over.into()),
+        };
         let is_last = line.as_ref().map_or(true, Line::ends);
         lines.push(SourceLine { number, text, line });
         if is_last {
@@ -94,9 +102,14 @@ fn read(text: &str) -> Vec<SourceLine<'_>> {
 fn run(
     lines: &[SourceLine<'_>],
     placement: &Placement,
+    options: &JobOptions,
     rules: Rules,
 ) -> (Result<Job, JobError>, Evidence) {
-    let mut interpreter = Interpreter::new(placement, rules);
+    let mut interpreter = Interpreter {
+        speed: options.speed,
+        speed_without_feed: options.speed_without_feed,
+        ..Interpreter::new(placement, rules)
+    };
     for SourceLine { number, text, line } in lines {
         let done = match line {
             Ok(line) => interpreter.line(*number, line),
@@ -118,16 +131,24 @@ fn run(
 pub(super) struct Interpreter {
     pub(super) placement: Placement,
     pub(super) rules: Rules,
+    /// The steps that the job may still have.
+    pub(super) budget: Budget,
     pub(super) job: Job,
     pub(super) evidence: Evidence,
     pub(super) modes: Modes,
     pub(super) tool: ToolState,
-    /// Speed [m/s].
+    /// Speed by F [m/s].
     pub(super) feed: Option<f64>,
+    /// Speed in place of that by F, and that before any F [m/s].
+    pub(super) speed: Option<f64>,
+    pub(super) speed_without_feed: Option<f64>,
     /// The tool's position in the job's frame, before placement [m].
     pub(super) position: [f64; 2],
-    /// The position of X0 Y0 in the job's frame; G92 moves it [m].
+    /// The position of X0 Y0 in the job's frame; G92 and G10 L20 move it [m].
     pub(super) zero: [f64; 2],
+    /// The shift by G92, of X0 Y0 and of Z0, and the one that G92.3 sets again [m].
+    pub(super) shift: [f64; 3],
+    pub(super) stored_shift: [f64; 3],
     /// The end of the last motion as placed [m]; none before the first.
     pub(super) placed: Option<[f64; 2]>,
     /// Whether the coordinates go on at X0 Y0 after G28, as printers and slicers have it; else they go
@@ -142,13 +163,18 @@ impl Interpreter {
         Self {
             placement: *placement,
             rules,
+            budget: Budget::points(),
             job: Job::default(),
             evidence: Evidence::new(),
             modes: Modes::new(),
             tool: ToolState::new(),
             feed: None,
+            speed: None,
+            speed_without_feed: None,
             position: [0.0; 2],
             zero: [0.0; 2],
+            shift: [0.0; 3],
+            stored_shift: [0.0; 3],
             placed: None,
             homes_to_zero: true,
             is_home: false,
@@ -162,6 +188,12 @@ impl Interpreter {
         if let Some(command) = &line.system_command {
             self.job
                 .note(number, WarningKind::UnknownCode(command.clone()));
+        }
+        if line.is_deletable {
+            self.job.note(number, WarningKind::BlockDelete);
+        }
+        if line.has_blanks {
+            self.job.note(number, WarningKind::Blanks);
         }
         self.evidence.codes(number, line);
         self.miscellaneous(number, line)?;
@@ -200,6 +232,8 @@ impl Interpreter {
             Some(CoordinateUse::Dwell) => self.dwell(number, &mut words)?,
             Some(CoordinateUse::Home) => self.home(number, &mut words)?,
             Some(CoordinateUse::Shift) => self.shift(number, &mut words)?,
+            Some(CoordinateUse::ShiftAgain(decimal)) => self.shift_again(number, decimal),
+            Some(CoordinateUse::Table) => self.table(number, &mut words)?,
             Some(CoordinateUse::Motion(_)) | None => {
                 self.motion(number, &mut words, machine, power)?;
             }
@@ -215,6 +249,13 @@ impl Interpreter {
         if line.general.contains(&('G', 64, 0)) {
             words.take('P');
             words.take('Q');
+        }
+        for axis in AXES_OF_OTHERS {
+            match words.take(axis) {
+                None => {}
+                Some(0.0) => self.job.note(number, WarningKind::NoAxis(axis)),
+                Some(_) => return Err(GcodeError::NoAxis(axis)),
+            }
         }
         match words.left_over() {
             Some(letter) => Err(GcodeError::StrayWord(letter)),
@@ -263,8 +304,7 @@ impl Interpreter {
         let [elbow1, elbow4] = sides;
         let mode = WorkingMode::new(side(elbow1)?, side(elbow4)?);
         self.begin()?;
-        self.push(number, 0.0, Action::ChangeMode(mode));
-        Ok(())
+        self.push(number, 0.0, Action::ChangeMode(mode))
     }
 
     /// M781: the tool goes straight to a point, through a singularity to the other assembly mode.
@@ -286,8 +326,7 @@ impl Interpreter {
         }
         let to = self.place(self.position)?;
         self.placed = Some(to);
-        self.push(number, 0.0, Action::Cross { to, time });
-        Ok(())
+        self.push(number, 0.0, Action::Cross { to, time })
     }
 
     fn dwell(&mut self, number: u32, words: &mut Words) -> Result<(), GcodeError> {
@@ -312,7 +351,7 @@ impl Interpreter {
                 Some(_) => Activity::RestAfterFeed,
             };
             let tool = self.tool.level(&self.rules, activity);
-            self.push(number, tool, Action::Dwell { duration });
+            self.push(number, tool, Action::Dwell { duration })?;
         }
         Ok(())
     }
@@ -348,15 +387,96 @@ impl Interpreter {
             // Without coordinates, the present position becomes (0, 0).
             if let Some(value) = if none { Some(0.0) } else { value } {
                 let value = within_reach(value * self.modes.unit)?;
-                self.zero[axis] = self.position[axis] - value;
+                let zero = self.position[axis] - value;
+                self.shift[axis] += zero - self.zero[axis];
+                self.zero[axis] = zero;
             }
         }
         if let Some(z) = z {
-            self.set_z(number, within_reach(z * self.modes.unit)?);
+            let z = within_reach(z * self.modes.unit)?;
+            self.shift[2] += self.tool.z.map_or(0.0, |before| before - z);
+            self.set_z(number, z);
         }
         if let Some(e) = e {
             self.tool.set_e(e);
         }
         Ok(())
+    }
+
+    /// G92.1 and G92.2 take the shift by G92 back, and G92.2 keeps it for G92.3, which sets it again.
+    fn shift_again(&mut self, number: u32, decimal: u32) {
+        let next = match decimal {
+            3 => self.stored_shift,
+            _ => [0.0; 3],
+        };
+        if decimal < 3 {
+            self.stored_shift = match decimal {
+                2 => self.shift,
+                _ => [0.0; 3],
+            };
+        }
+        for (zero, (next, shift)) in self.zero.iter_mut().zip(next.iter().zip(&self.shift)) {
+            *zero += next - shift;
+        }
+        if let Some(z) = self.tool.z.filter(|_| next[2] != self.shift[2]) {
+            self.set_z(number, z + self.shift[2] - next[2]);
+        }
+        self.shift = next;
+    }
+
+    /// G10 L20 gives the tool's present position these coordinates, as G92 does, but in the work coordinate system
+    /// itself. Offsets of tools change nothing here.
+    fn table(&mut self, number: u32, words: &mut Words) -> Result<(), GcodeError> {
+        let [table, entry] = ['L', 'P'].map(|letter| words.take(letter));
+        let in_use = self.modes.system();
+        let name = match table {
+            Some(table) => format!("G10 L{table}"),
+            None => "G10".into(),
+        };
+        if table.is_some_and(|table| [1.0, 10.0, 11.0].contains(&table)) {
+            for letter in ['X', 'Y', 'Z', 'R', 'I', 'J', 'Q'] {
+                words.take(letter);
+            }
+            self.job.note(number, WarningKind::UnknownCode(name));
+            return Ok(());
+        }
+        if table != Some(20.0) {
+            let why = "changes an offset from the machine's zero, which is not known here: use G92 \
+                       or G10 L20";
+            return Err(GcodeError::ChangesDrawing(name, why));
+        }
+        if entry.is_some_and(|entry| entry != 0.0 && entry != f64::from(in_use)) {
+            let why =
+                "sets a work coordinate system that is not in use: select it before, as by G54";
+            return Err(GcodeError::ChangesDrawing(name, why));
+        }
+        for (axis, letter) in ['X', 'Y'].into_iter().enumerate() {
+            if let Some(value) = words.take(letter) {
+                let value = within_reach(value * self.modes.unit)?;
+                self.zero[axis] = self.position[axis] - value;
+            }
+        }
+        if let Some(z) = words.take('Z') {
+            self.set_z(number, within_reach(z * self.modes.unit)?);
+        }
+        Ok(())
+    }
+
+    /// The speed of G1, G2 and G3 [m/s].
+    pub(super) fn speed(&mut self, number: u32) -> Result<f64, GcodeError> {
+        match (self.speed, self.feed) {
+            (Some(speed), feed) => {
+                if feed.is_some() {
+                    self.job.note(number, WarningKind::FeedReplaced);
+                }
+                Ok(speed)
+            }
+            (None, Some(feed)) => Ok(feed),
+            (None, None) => {
+                let speed = self.speed_without_feed.ok_or(GcodeError::NoFeed)?;
+                self.job.note(number, WarningKind::NoFeed);
+                Ok(speed)
+            }
+        }
     }
 }

@@ -17,6 +17,7 @@ mod motion;
 mod options;
 mod order;
 mod pen_speeds;
+mod reader;
 mod stop;
 mod stream;
 #[cfg(feature = "svg")]
@@ -27,6 +28,7 @@ mod words;
 
 pub use error::{GcodeError, JobError, Warning, WarningKind};
 pub use options::{Dialect, JobOptions, ToolLevels};
+pub use reader::JobReader;
 pub use stop::{Pause, Stop};
 pub use stream::JobStream;
 pub use text::read;
@@ -36,14 +38,24 @@ use format::Format;
 
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind};
 use fivebar_kinematics::five_bar::WorkingMode;
+use serde::{Deserialize, Serialize};
 
 /// The built-in demonstration, in G-code.
 pub const DEMONSTRATION: &str = include_str!("../../jobs/fivebar.gcode");
 /// A short built-in drawing, in G-code.
 pub const PETAL: &str = include_str!("../../jobs/petal.gcode");
 
+/// The endings of files that are read as jobs: G-code, then drawings and plots.
+pub const ENDINGS: [&str; 14] = [
+    "gcode", "nc", "ngc", "gc", "tap", "cnc", "txt", "svg", "svgz", "dxf", "hpgl", "hgl", "hpg",
+    "plt",
+];
+
+/// Most different notes on a job.
+const MOST_NOTES: usize = 100;
+
 /// The placement of a job in the frame of the base.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     /// The position of the job's (0, 0) [m].
     pub origin: [f64; 2],
@@ -87,7 +99,7 @@ impl Placement {
 /// assert!((to[0] - 0.05).abs() < 1e-12 && (feed.unwrap_or(0.0) - 0.01).abs() < 1e-12); // m, m/s
 /// # Ok::<(), fivebar_files::job::JobError>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// The steps, in order.
     pub steps: Vec<Step>,
@@ -103,7 +115,7 @@ pub struct Job {
 }
 
 /// One action of the tool, with its line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// The line of the file, from 1; 0 for the motion to the job's start, which no line asks for.
     pub line: u32,
@@ -115,7 +127,7 @@ pub struct Step {
 }
 
 /// An action of the tool. Positions are of the tool in the frame of the base [m].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
     /// A straight line.
     Line {
@@ -251,11 +263,15 @@ impl Job {
         Ok(job)
     }
 
-    /// Adds a note, or counts it, if the job has the same one.
+    /// Adds a note, or counts it, if the job has the same one. Notes of very many kinds become one.
     fn note(&mut self, line: u32, kind: WarningKind) {
+        let is_room = self.warnings.len() < MOST_NOTES;
         match self.warnings.iter_mut().find(|other| other.kind == kind) {
             Some(same) => same.count += 1,
-            None => self.warnings.push(Warning::at(line, kind)),
+            None if is_room || kind == WarningKind::Others => {
+                self.warnings.push(Warning::at(line, kind));
+            }
+            None => self.note(line, WarningKind::Others),
         }
     }
 

@@ -20,6 +20,9 @@ pub(super) enum CoordinateUse {
     Dwell,
     Home,
     Shift,
+    /// G92.1, G92.2 and G92.3, by their decimal.
+    ShiftAgain(u32),
+    Table,
 }
 
 /// The modes of a job.
@@ -56,6 +59,12 @@ impl Modes {
         }
     }
 
+    /// The difference of an arc's radii that the decimals of a file explain [m]: files in millimetres have two
+    /// decimals or more, those in inches three.
+    pub(super) fn arc_rounding(&self) -> f64 {
+        if self.unit > 1e-3 { 6e-5 } else { 2e-5 }
+    }
+
     /// Sets the modes; returns what the line does with its coordinates.
     pub(super) fn set(&mut self, codes: &[Code]) -> Result<LineModes, GcodeError> {
         let mut line = LineModes::default();
@@ -69,6 +78,8 @@ impl Modes {
                 ('G', 4, 0) => CoordinateUse::Dwell,
                 ('G', 28, 0) => CoordinateUse::Home,
                 ('G', 92, 0) => CoordinateUse::Shift,
+                ('G', 92, decimal @ 1..=3) => CoordinateUse::ShiftAgain(decimal),
+                ('G', 10, 0) => CoordinateUse::Table,
                 other => {
                     line.machine |= other == ('G', 53, 0);
                     line.tool_length |= other == ('G', 43, 0);
@@ -86,6 +97,14 @@ impl Modes {
             self.motion = Some(motion);
         }
         Ok(line)
+    }
+
+    /// The number of the work coordinate system as P of G10 has it: G54 is 1.
+    pub(super) fn system(&self) -> u32 {
+        match self.system {
+            Some((_, code, decimal)) => code - 53 + decimal,
+            None => 1,
+        }
     }
 
     /// Sets the mode of a code that uses no coordinates.
@@ -126,7 +145,6 @@ fn refusal(code: Code) -> GcodeError {
         }
         ('G', 93 | 95, 0) => "is another unit of F: use G94, units per minute",
         ('G', 5, _) => "is a spline: let the program that writes the file make arcs or lines of it",
-        ('G', 10, _) => "changes an offset in a table, and there is none here: use G92",
         _ => return GcodeError::UnknownGCode(spelled(code)),
     };
     GcodeError::ChangesDrawing(spelled(code), why)

@@ -1,5 +1,6 @@
 //! Motions: from the coordinates of a line to steps.
 
+use super::arc::CircularArc;
 use super::interpreter::Interpreter;
 use super::modes::MotionMode;
 use super::tool::{Activity, ToolState, is_down};
@@ -60,7 +61,7 @@ impl Interpreter {
             return self.straight(number, z_start, end, None, Activity::Rapid);
         }
         self.evidence.moves(number, &self.tool, false);
-        let feed = self.feed.ok_or(GcodeError::NoFeed)?;
+        let feed = self.speed(number)?;
         self.evidence.feeds(self.tool.servo_angle, power.is_some());
         self.evidence.extrudes |= self.tool.extrudes;
         if motion == MotionMode::Line {
@@ -70,7 +71,7 @@ impl Interpreter {
             return self.straight(number, z_start, end, Some(feed), Activity::Feed);
         }
         let clockwise = motion == MotionMode::Clockwise;
-        let center = self.center(start, end, offset, radius, clockwise)?;
+        let arcs = self.arcs(start, end, offset, radius, clockwise)?;
         let down = |z: Option<f64>| z.is_some_and(|z| is_down(z, &self.rules));
         if self.rules.words == ToolWords::Height && down(z_start) != down(self.tool.z) {
             return Err(GcodeError::Helix);
@@ -79,34 +80,44 @@ impl Interpreter {
         self.approach()?;
         self.position = end;
         let shortest = MIN_LENGTH / self.placement.scale;
-        if arc::is_negligible(start, end, center, clockwise, shortest) {
+        if let &[only] = &arcs[..]
+            && arc::is_negligible(start, only, clockwise, shortest)
+        {
             return Ok(());
         }
-        let to = self.place(end)?;
-        self.placed = Some(to);
-        let center = self.place(center)?;
         let tool = self.tool.level(&self.rules, Activity::Feed);
-        let action = Action::Arc {
-            to,
-            center,
-            clockwise,
-            feed,
-        };
-        self.push(number, tool, action);
+        for CircularArc { to, center } in arcs {
+            let to = self.place(to)?;
+            self.placed = Some(to);
+            let center = self.place(center)?;
+            let action = Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            };
+            self.push(number, tool, action)?;
+        }
         Ok(())
     }
 
-    /// The centre of an arc [m].
-    fn center(
+    /// The arcs of circles of an arc [m].
+    fn arcs(
         &self,
         start: [f64; 2],
         end: [f64; 2],
         offset: [Option<f64>; 2],
         radius: Option<f64>,
         clockwise: bool,
-    ) -> Result<[f64; 2], GcodeError> {
+    ) -> Result<Vec<CircularArc>, GcodeError> {
+        let rounding = self.modes.arc_rounding();
         match (offset, radius) {
-            ([None, None], Some(radius)) => arc::center_by_radius(start, end, radius, clockwise),
+            ([None, None], Some(radius)) => Ok(vec![arc::by_radius(
+                [start, end],
+                radius,
+                clockwise,
+                rounding,
+            )?]),
             ([None, None], None) | (_, Some(_)) => Err(GcodeError::ArcForm),
             (offset, None) => {
                 let absolute = self.modes.absolute_centers;
@@ -118,7 +129,7 @@ impl Interpreter {
                     // The coordinate that is left out is that of the start.
                     None => 0.0,
                 });
-                arc::center_by_offset(start, end, offset)
+                arc::by_offset([start, end], offset, clockwise, rounding)
             }
         }
     }
@@ -190,7 +201,7 @@ impl Interpreter {
         });
         if length >= MIN_LENGTH {
             self.placed = Some(to);
-            self.push(number, tool, Action::Line { to, feed });
+            self.push(number, tool, Action::Line { to, feed })?;
         }
         Ok(())
     }
@@ -241,8 +252,10 @@ impl Interpreter {
         Ok([within_reach(x)?, within_reach(y)?])
     }
 
-    pub(super) fn push(&mut self, line: u32, tool: f64, action: Action) {
+    pub(super) fn push(&mut self, line: u32, tool: f64, action: Action) -> Result<(), GcodeError> {
+        self.budget.take(1)?;
         self.job.steps.push(Step { line, tool, action });
+        Ok(())
     }
 }
 

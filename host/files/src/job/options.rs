@@ -1,9 +1,10 @@
 //! What a job's text leaves open.
 
 use super::ToolWords;
+use serde::{Deserialize, Serialize};
 
 /// The unit of G4 P, on which programs do not agree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Dialect {
     /// Seconds, as Grbl, LinuxCNC, Fusion, FreeCAD and LightBurn write it.
     Grbl,
@@ -12,7 +13,7 @@ pub enum Dialect {
 }
 
 /// The levels that the arm's tool has.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum ToolLevels {
     /// Every share from off to full power: a laser, a spindle.
     #[default]
@@ -23,7 +24,7 @@ pub enum ToolLevels {
 }
 
 /// How a job is read where its text leaves it open.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JobOptions {
     /// The dialect; none: RepRap if the job has one of its signs (M17, M18, M80 or above, an E word,
     /// a checksum), or else Grbl.
@@ -40,8 +41,10 @@ pub struct JobOptions {
     pub levels: ToolLevels,
     /// Greatest distance of the lines of an SVG from its curves [m].
     pub tolerance: f64,
-    /// Speed along the strokes of an SVG [m/s]; none: the arm's greatest speed.
+    /// Speed along what is drawn [m/s], in place of F; none: F, or the arm's greatest speed along strokes of drawings.
     pub speed: Option<f64>,
+    /// Speed of G1, G2 and G3 before any F [m/s]; none: such a line is refused.
+    pub speed_without_feed: Option<f64>,
     /// Distance of the lines that fill the areas of an SVG [m]; none: areas have outlines only.
     pub hatch: Option<f64>,
 }
@@ -56,6 +59,7 @@ impl Default for JobOptions {
             levels: ToolLevels::Shares,
             tolerance: 2.5e-5,
             speed: None,
+            speed_without_feed: None,
             hatch: None,
         }
     }

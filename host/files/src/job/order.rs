@@ -15,21 +15,30 @@ const MOST_TURNED: usize = 1000;
 /// An exchange that saves less is not worth it [m].
 const LEAST_SAVED: f64 = 1e-9;
 
-/// The strokes with the one nearest to `from` first, and then in an order with less travel.
-pub(super) fn sorted(mut strokes: Vec<Stroke>, from: [f64; 2]) -> Vec<Stroke> {
-    strokes.retain(|stroke| !stroke.is_empty());
-    let mut order = nearest_first(&strokes, from);
-    shorten(&mut order, from);
-    order
-        .into_iter()
-        .map(|drawn| {
-            let mut stroke = std::mem::take(&mut strokes[drawn.stroke]);
-            if drawn.is_reversed {
-                stroke.reverse();
-            }
-            stroke
-        })
-        .collect()
+/// Orders the strokes of one pen after the other.
+#[derive(Default)]
+pub(super) struct Order {
+    /// Exchanges that were tried, of all pens, and strokes that were turned for them.
+    tried: usize,
+}
+
+impl Order {
+    /// The strokes with the one nearest to `from` first, and then in an order with less travel.
+    pub(super) fn sorted(&mut self, mut strokes: Vec<Stroke>, from: [f64; 2]) -> Vec<Stroke> {
+        strokes.retain(|stroke| !stroke.is_empty());
+        let mut order = nearest_first(&strokes, from);
+        shorten(&mut order, from, &mut self.tried);
+        order
+            .into_iter()
+            .map(|drawn| {
+                let mut stroke = std::mem::take(&mut strokes[drawn.stroke]);
+                if drawn.is_reversed {
+                    stroke.reverse();
+                }
+                stroke
+            })
+            .collect()
+    }
 }
 
 /// A stroke as it is drawn.
@@ -76,9 +85,8 @@ fn nearest_first(strokes: &[Stroke], from: [f64; 2]) -> Vec<Drawn> {
 }
 
 /// Turns parts of the order round, with their strokes, as long as that saves travel (2-opt).
-fn shorten(order: &mut [Drawn], from: [f64; 2]) {
+fn shorten(order: &mut [Drawn], from: [f64; 2], tried: &mut usize) {
     let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let mut tried = 0;
     let mut has_saved = true;
     while has_saved {
         has_saved = false;
@@ -95,6 +103,7 @@ fn shorten(order: &mut [Drawn], from: [f64; 2]) {
                 let turned = distance(before, end) + to_after(begin);
                 if turned < now - LEAST_SAVED {
                     let part = &mut order[first..=last];
+                    *tried += part.len();
                     part.reverse();
                     for drawn in part {
                         *drawn = drawn.reversed();
@@ -102,8 +111,8 @@ fn shorten(order: &mut [Drawn], from: [f64; 2]) {
                     has_saved = true;
                 }
             }
-            tried += MOST_TURNED.min(order.len() - first);
-            if tried > MOST_TRIED {
+            *tried += MOST_TURNED.min(order.len() - first);
+            if *tried > MOST_TRIED {
                 return;
             }
         }
@@ -226,7 +235,7 @@ fn halve(ends: &mut [End], left: &mut [usize], axis: usize) {
 
 #[cfg(test)]
 mod tests {
-    use super::{nearest_first, sorted};
+    use super::{Order, nearest_first};
     use fivebar_design::Noise;
 
     #[test]
@@ -280,7 +289,7 @@ mod tests {
             .iter()
             .map(|drawn| drawn.ends)
             .collect();
-        let sorted = sorted(strokes.clone(), [0.0; 2]);
+        let sorted = Order::default().sorted(strokes.clone(), [0.0; 2]);
         let ends: Vec<_> = sorted.iter().map(|stroke| [stroke[0], stroke[1]]).collect();
         let (less, more) = (travel(&ends), travel(&nearest));
         assert!(less < 0.93 * more, "{less} {more}");
@@ -318,7 +327,7 @@ mod tests {
             let stroke = |index| vec![place(index), place(index).map(|x| x + 1e-4)];
             let strokes: Vec<_> = (0..20_000).map(stroke).collect();
             let started = std::time::Instant::now();
-            assert_eq!(sorted(strokes, [0.0; 2]).len(), 20_000);
+            assert_eq!(Order::default().sorted(strokes, [0.0; 2]).len(), 20_000);
             started.elapsed()
         });
         assert!(took[1].max(took[2]) < 20 * took[0], "{took:?}");

@@ -2,6 +2,7 @@
 
 use super::Job;
 use fivebar_firmware::{Move, MoveKind};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Time that the tool gets to switch off while the arm rests [s]. The planner waits for a servo.
@@ -9,7 +10,7 @@ const LEVEL_CHANGE: f32 = 1e-3;
 
 /// A stop by M0, M1, M6 or T, or between the pens of a drawing. A machine waits there for its user;
 /// a simulation goes on.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stop {
     /// The line of the file, from 1.
     pub line: u32,

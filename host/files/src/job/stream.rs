@@ -6,6 +6,7 @@ use super::modes::MotionMode;
 use super::tool::{Activity, Spindle};
 use super::words::Line;
 use super::{GcodeError, Job, JobOptions, Placement, Warning, WarningKind};
+use crate::budget::Budget;
 
 /// Interprets the lines of a sender one by one.
 ///
@@ -40,11 +41,13 @@ impl JobStream {
         let line = Line::read(text)?;
         let mut first = self.interpreter.clone();
         first.rules = UNDECIDED;
+        first.budget = Budget::points();
         first.line(0, &line)?;
         let mut next = self.interpreter.clone();
         let (rules, notes) = first.evidence.rules(&self.options);
         let is_new = rules.speed != next.rules.speed;
         next.rules = rules;
+        next.budget = Budget::points();
         next.line(0, &line)?;
         next.evidence = first.evidence;
         let mut job = std::mem::take(&mut next.job);

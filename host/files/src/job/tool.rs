@@ -1,6 +1,7 @@
 //! The tool of a job: which words move or switch it, and its level.
 
 use super::options::Dialect;
+use serde::{Deserialize, Serialize};
 
 /// M300 S up to this puts the pen down, above it lifts it (S255 turns its servo off).
 const PEN_DOWN_ANGLE: f64 = 40.0;
@@ -10,7 +11,7 @@ const FULL_FAN: f64 = 255.0;
 const ROUNDING: f64 = 1e-9;
 
 /// The words of a job that move or switch the tool. A job has one kind of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum ToolWords {
     /// M3, M4 and M5 with S: a laser, a spindle, or a pen on their output.

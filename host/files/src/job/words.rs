@@ -12,6 +12,9 @@ const CHANGE_MODE: u32 = 780;
 /// The M code that crosses to the other assembly mode.
 const CROSS: u32 = 781;
 
+/// Most digits of a number: those of any length in a file are fewer.
+const MOST_DIGITS: usize = 40;
+
 /// A code by letter, number and decimal: G91.1 is `('G', 91, 1)`.
 pub(super) type Code = (char, u32, u32);
 
@@ -24,6 +27,10 @@ pub(super) struct Line {
     pub(super) miscellaneous: Vec<(Code, Option<f64>)>,
     /// The comment of a line that stops.
     pub(super) comment: Option<String>,
+    /// Whether it begins with a slash, by which a machine can be set to skip it.
+    pub(super) is_deletable: bool,
+    /// Whether a number has blanks in it.
+    pub(super) has_blanks: bool,
     /// Whether the line has a checksum.
     pub(super) has_checksum: bool,
     /// A setting or a command of Grbl, such as `$H`, or a command of a printer, such as `G29`, which is skipped.
@@ -42,6 +49,9 @@ impl Line {
         let summed = without_checksum(text)?;
         let has_checksum = summed.len() < text.len();
         let text = without_comments(summed)?;
+        let kept = text.trim_start().strip_prefix('/');
+        let is_deletable = kept.is_some();
+        let text = kept.map_or(text.clone(), str::to_owned);
         if let Some(command) = text.trim().strip_prefix('$') {
             return Self::system_command(command);
         }
@@ -65,6 +75,14 @@ impl Line {
                 miscellaneous: vec![(('M', number, 0), None)],
                 ..Self::default()
             },
+            // Grbl and LinuxCNC skip all blanks.
+            (Err(refusal), None) => {
+                let line = without_blanks(&text).map(|text| Self::words(&text));
+                Self {
+                    has_blanks: true,
+                    ..line.unwrap_or(Err(refusal))?
+                }
+            }
             (line, _) => line?,
         };
         let comment = match line.stops() {
@@ -73,6 +91,7 @@ impl Line {
         };
         Ok(Self {
             comment,
+            is_deletable,
             has_checksum,
             ..line
         })
@@ -125,12 +144,7 @@ impl Line {
 
     /// Reads a line of words.
     fn words(text: &str) -> Result<Self, GcodeError> {
-        if has_overlong_code(text) {
-            return Err(GcodeError::Syntax("no code has that many digits".into()));
-        }
-        if has_exponent(text) {
-            return Err(GcodeError::Exponent);
-        }
+        check_numbers(text)?;
         let program = gcode::parse(text).map_err(|diagnostics| {
             let first = diagnostics.iter().next();
             GcodeError::Syntax(first.map_or_else(String::new, |found| explain(&found.kind)))
@@ -353,6 +367,20 @@ fn without_checksum(text: &str) -> Result<&str, GcodeError> {
     }
 }
 
+/// The text without the blanks in its numbers; none if it has no such blanks.
+fn without_blanks(text: &str) -> Option<String> {
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let mut joined = String::with_capacity(text.len());
+    for part in text.split_whitespace() {
+        if !(joined.ends_with(is_part) && part.starts_with(is_part)) {
+            joined.push(' ');
+        }
+        joined.push_str(part);
+    }
+    let count = |text: &str| text.split_whitespace().count();
+    (count(&joined) < count(text)).then_some(joined)
+}
+
 /// The text before a semicolon and outside parentheses, which do not nest.
 fn without_comments(text: &str) -> Result<String, GcodeError> {
     let mut kept = String::with_capacity(text.len());
@@ -392,6 +420,21 @@ fn unknown_m_code(text: &str) -> Option<u32> {
     (!is_supported(number)).then_some(number)
 }
 
+/// Refuses numbers that take long to read, and those with an exponent.
+fn check_numbers(text: &str) -> Result<(), GcodeError> {
+    if has_overlong_code(text) {
+        return Err(GcodeError::Syntax("no code has that many digits".into()));
+    }
+    if let Some(digits) = overlong_number(text) {
+        let why = format!("a number has {digits} digits, more than {MOST_DIGITS}: round it");
+        return Err(GcodeError::Syntax(why));
+    }
+    if has_exponent(text) {
+        return Err(GcodeError::Exponent);
+    }
+    Ok(())
+}
+
 /// Whether a code has more than eight digits: the crate's arithmetic would overflow.
 fn has_overlong_code(text: &str) -> bool {
     text.split(['G', 'g', 'M', 'm', 'T', 't'])
@@ -402,6 +445,13 @@ fn has_overlong_code(text: &str) -> bool {
         })
 }
 
+/// The digits of the longest number, if it is too long.
+fn overlong_number(text: &str) -> Option<usize> {
+    let numbers = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+    let longest = numbers.map(str::len).max()?;
+    Some(longest).filter(|&digits| digits > MOST_DIGITS)
+}
+
 /// Whether a number has an exponent, which G-code does not know: `X1e-5`. An E right after a number
 /// is an extruder's word only if it is upper case with a decimal point in its number: `X10.5E0.2`.
 fn has_exponent(text: &str) -> bool {
@@ -410,6 +460,9 @@ fn has_exponent(text: &str) -> bool {
             |from: usize, length: usize| text.get(from..from + length).unwrap_or_default();
         let before = index.checked_sub(1).map(|index| text.as_bytes()[index]);
         if !before.is_some_and(|before| before.is_ascii_digit() || before == b'.') {
+            return false;
+        }
+        if !matches!(byte, b'e' | b'E') {
             return false;
         }
         let sign = usize::from(matches!(follows(index + 1, 1), "+" | "-"));

@@ -3,7 +3,8 @@
 use super::DrivenLinkage;
 use super::file::{ElementFile, GuideFile, LinkFile, LinkageFile, PointFile};
 use super::limits::{LARGEST, largest, name, sizes};
-use crate::source::{FileError, Key, Source};
+use crate::refusal::Key;
+use crate::source::{FileError, Source};
 use fivebar_design::linkage::dyad::{Prp, Rpp, Rpr, Rrp, Rrr};
 use fivebar_design::linkage::{BarSection, DriveLaw, Group, Guide, LinkId, Linkage, PointId};
 use fivebar_kinematics::dynamics::Link;
@@ -11,9 +12,9 @@ use nalgebra::Vector2;
 use std::collections::HashMap;
 
 /// Reads a linkage from the text of a file.
-pub(super) fn linkage(source: Source<'_>) -> Result<DrivenLinkage, FileError> {
+pub(super) fn linkage(source: &Source<'_>) -> Result<DrivenLinkage, FileError> {
     let file: LinkageFile = source.parse_no_robot("a linkage")?;
-    sizes(&source, &file)?;
+    sizes(source, &file)?;
     let linkage = Linkage::new(Vector2::from(file.gravity))
         .map_err(|error| source.refuse(Key::Top("gravity"), error))?;
     let mut builder = Builder {
@@ -26,8 +27,8 @@ pub(super) fn linkage(source: Source<'_>) -> Result<DrivenLinkage, FileError> {
     };
     builder.build()?;
     let Builder { linkage, laws, .. } = builder;
-    largest(&source, &linkage)?;
-    let tolerance = file.tolerance.checked(&source, &linkage)?;
+    largest(source, &linkage)?;
+    let tolerance = file.tolerance.checked(source, &linkage)?;
     Ok(DrivenLinkage {
         tolerance,
         linkage,
@@ -39,8 +40,8 @@ pub(super) fn linkage(source: Source<'_>) -> Result<DrivenLinkage, FileError> {
 }
 
 /// The linkage under construction, with the points and links defined so far.
-struct Builder<'a> {
-    source: Source<'a>,
+struct Builder<'a, 's> {
+    source: &'a Source<'s>,
     file: &'a LinkageFile,
     linkage: Linkage<f64>,
     points: HashMap<&'a str, PointId>,
@@ -48,7 +49,7 @@ struct Builder<'a> {
     laws: Vec<DriveLaw>,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> Builder<'a, '_> {
     fn build(&mut self) -> Result<(), FileError> {
         let file = self.file;
         self.links_of_points_exist()?;
@@ -221,7 +222,7 @@ impl<'a> Builder<'a> {
     /// Names a link, sets its mass and inertia, and adds the points that are fixed in it.
     fn link(&mut self, index: usize, id: LinkId, link: &'a LinkFile) -> Result<(), FileError> {
         let key = Key::Of("element", index, "links");
-        name(&self.source, key, &link.name)?;
+        name(self.source, key, &link.name)?;
         if self.links.insert(&link.name, id).is_some() {
             let reason = format!("name `{}`, which another link has", link.name);
             return Err(self.source.refuse(key, reason));
@@ -265,7 +266,7 @@ impl<'a> Builder<'a> {
     }
 
     fn claim_point(&mut self, key: Key, point: &'a str, id: PointId) -> Result<(), FileError> {
-        name(&self.source, key, point)?;
+        name(self.source, key, point)?;
         match self.points.insert(point, id) {
             None => Ok(()),
             Some(_) => {

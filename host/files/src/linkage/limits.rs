@@ -1,7 +1,8 @@
 //! Limits on the size of a linkage file, so that no file takes unreasonable time or memory.
 
 use super::file::LinkageFile;
-use crate::source::{FileError, Key, Source};
+use crate::refusal::Key;
+use crate::source::{FileError, Source};
 use fivebar_design::linkage::Linkage;
 
 /// Most elements; more than any planar linkage in use has.

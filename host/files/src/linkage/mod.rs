@@ -91,6 +91,6 @@ impl DrivenLinkage {
     /// An unknown or missing key, a name that is not defined yet, or a number that is not
     /// valid, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
-        build::linkage(Source { file, text })
+        build::linkage(&Source::new(file, text))
     }
 }

@@ -1,7 +1,8 @@
 //! `[tolerance]` of a linkage file: the tolerances of its parts.
 
 use super::names::{driven_links, reaction_names};
-use crate::source::{FileError, Key, Source};
+use crate::refusal::Key;
+use crate::source::{FileError, Source};
 use fivebar_design::accuracy::linkage::{LinkageTolerance, PinTolerance};
 use fivebar_design::linkage::Linkage;
 use serde::Deserialize;

@@ -6,9 +6,14 @@ use fivebar_design::mobility::{
 };
 use nalgebra::Vector6;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Cases {
+    // What the twists mean, in words, and below the source and the results of reference cases. They are not used.
+    #[serde(rename = "convention")]
+    _convention: Option<IgnoredAny>,
     #[serde(default)]
     parallel: Vec<ParallelCase>,
     #[serde(default)]
@@ -16,7 +21,12 @@ struct Cases {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct ParallelCase {
+    #[serde(rename = "source")]
+    _source: Option<IgnoredAny>,
+    #[serde(rename = "expected")]
+    _expected: Option<IgnoredAny>,
     name: String,
     #[serde(default)]
     description: String,
@@ -24,7 +34,12 @@ struct ParallelCase {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct GraphCase {
+    #[serde(rename = "source")]
+    _source: Option<IgnoredAny>,
+    #[serde(rename = "expected")]
+    _expected: Option<IgnoredAny>,
     name: String,
     #[serde(default)]
     description: String,
@@ -34,6 +49,7 @@ struct GraphCase {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct GraphJoint {
     a: usize,
     b: usize,

@@ -166,7 +166,7 @@ impl JointEntry {
     }
 }
 
-pub(super) fn parse(source: Source<'_>) -> Result<MobilityCase, FileError> {
+pub(super) fn parse(source: &Source<'_>) -> Result<MobilityCase, FileError> {
     let file: File = source.parse_no_robot("a mechanism")?;
     let mechanism = mechanism(&file).map_err(|reason| FileError::new(source.file, reason))?;
     Ok(MobilityCase {

@@ -49,7 +49,7 @@ pub fn parse(file: &str, text: &str) -> Result<Vec<MobilityCase>, FileError> {
     if Path::new(file).extension().is_some_and(|e| e == "json") {
         cases::parse(text).map_err(|reason| FileError::new(file, reason))
     } else {
-        mechanism_file::parse(Source { file, text }).map(|study| vec![study])
+        mechanism_file::parse(&Source::new(file, text)).map(|study| vec![study])
     }
 }
 

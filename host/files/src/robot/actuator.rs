@@ -1,392 +1,197 @@
-//! `[[actuator]]` as written: the keys of every kind of drive, and which kind takes which.
+//! What turns a driven joint, as a robot file gives it: what is known of it.
 
-use super::can_torque::CanTorque;
-use super::file::Actuator;
-use super::hobby_servo::{self, HobbyServo};
-use super::settings::single;
-use super::stepper::Stepper;
-use crate::source::{Key, Refusals, Source};
-use DriveKind::{Brushed, CanTorque as Can, Servo, Stepper as Steps};
 use fivebar_firmware::drives::can::Protocol;
-use fivebar_firmware::drives::can::mit::Ranges;
-use fivebar_plant::{EncoderSide, Harmonics, Stepper as Motor};
-use serde::Deserialize;
-use std::fmt;
+use fivebar_plant::{
+    Encoder, EncoderSide, Harmonics, Motor, Stepper as StepperMotor, Transmission,
+};
 
-/// What turns a joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DriveKind {
-    /// A brushed motor on an H-bridge, with an encoder.
-    #[default]
+/// `[[actuator]]`: the motor, gear, encoder and current sensor of one driven joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuator {
+    /// Motor turns per joint turn, negative if the motor turns against its joint.
+    pub gear_ratio: f64,
+    /// Rotor inertia at the motor shaft [kg·m²].
+    pub rotor_inertia: f64,
+    /// Torque constant [N·m/A], equal to the back-EMF constant [V·s/rad].
+    pub torque_constant: f64,
+    /// Winding resistance [Ω].
+    pub resistance: f64,
+    /// Winding inductance [H].
+    pub inductance: f64,
+    /// Viscous friction at the joint [N·m·s/rad].
+    pub viscous_friction: f64,
+    /// Coulomb friction at the joint [N·m].
+    pub coulomb_friction: f64,
+    /// Torque of the holding brake at the joint [N·m]; zero without a brake. An upright arm
+    /// without brakes falls while it is unpowered.
+    pub brake_torque: f64,
+    /// Longest time from switching the holding brake off to its full torque [s]; none:
+    /// `BRAKE_TIME` with a brake, 0 without one.
+    pub brake_engage_time: Option<f64>,
+    /// Longest time from switching the holding brake on to a free joint [s]; likewise.
+    pub brake_release_time: Option<f64>,
+    /// Encoder counts per motor turn, after quadrature. For an encoder at the joint: its
+    /// counts per turn over the gear ratio.
+    pub encoder_counts: u32,
+    /// Peak motor current [A].
+    pub peak_current: f64,
+    /// Continuous motor current [A].
+    pub continuous_current: f64,
+    /// Time constant of the motor's heating [s].
+    pub thermal_time_constant: f64,
+    /// Motor current per ADC code [A]; by default ±2 × `peak_current` fills 12 bits.
+    pub current_per_code: Option<f64>,
+    /// Stiffness of the gear or belt at the joint [N·m/rad]; none: rigid.
+    pub stiffness: Option<f64>,
+    /// Damping beside the stiffness, at the joint [N·m·s/rad].
+    pub drive_damping: f64,
+    /// The shaft that the encoder measures.
+    pub encoder_side: EncoderSide,
+    /// Age of the encoder's angle when it is sampled [s].
+    pub encoder_latency: f64,
+    /// The encoder's known error, an angle of the encoder's shaft [rad]: its measured angle is
+    /// the true one plus this.
+    pub encoder_error: Harmonics,
+    /// What it has besides, by its kind.
+    pub drive: Drive,
+}
+
+/// What a drive has besides, by its kind: what the rest of the program knows of a motor is its [`Actuator`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// Nothing: it is a brushed motor.
     Brushed,
-    /// A stepper motor on a step and direction driver.
-    Stepper,
-    /// A drive on a CAN bus that takes a torque.
-    CanTorque,
-    /// A hobby servo.
-    Servo,
+    /// The holding torque is that at the peak current, and the counts are micro-steps.
+    Stepper(Stepper),
+    /// The currents are the torques over the torque constant, and the winding has the lag of the drive's current loop.
+    CanTorque(CanTorque),
+    /// The currents are the torques over 1 N·m/A, and the counts are units of the timer that makes the pulses.
+    HobbyServo(HobbyServo),
 }
 
-impl fmt::Display for DriveKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Brushed => "brushed",
-            Self::Stepper => "stepper",
-            Self::CanTorque => "can-torque",
-            Self::Servo => "servo",
-        })
-    }
-}
+/// Time in which a holding brake of this size engages or releases, if the file has none [s]: data
+/// sheets of spring-applied brakes have 0.02 to 0.05 s.
+pub(super) const BRAKE_TIME: f64 = 0.05;
 
-/// What a drive on a bus speaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum ProtocolName {
-    Odrive,
-    Mit,
-}
-
-/// `[[actuator]]` with every key of every kind.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ActuatorFile {
-    #[serde(default)]
-    pub(super) kind: DriveKind,
-    gear_ratio: Option<f64>,
-    rotor_inertia: Option<f64>,
-    torque_constant: Option<f64>,
-    resistance: Option<f64>,
-    inductance: Option<f64>,
-    #[serde(default)]
-    viscous_friction: f64,
-    #[serde(default)]
-    coulomb_friction: f64,
-    #[serde(default)]
-    brake_torque: f64,
-    brake_engage_time: Option<f64>,
-    brake_release_time: Option<f64>,
-    encoder_counts: Option<u32>,
-    peak_current: Option<f64>,
-    continuous_current: Option<f64>,
-    thermal_time_constant: Option<f64>,
-    current_per_code: Option<f64>,
-    stiffness: Option<f64>,
-    #[serde(default)]
-    drive_damping: f64,
-    #[serde(default)]
-    encoder_side: EncoderSide,
-    #[serde(default)]
-    encoder_latency: f64,
-    #[serde(default)]
-    encoder_error: Harmonics,
-    steps_per_turn: Option<u32>,
-    microsteps: Option<u32>,
-    holding_torque: Option<f64>,
-    rated_current: Option<f64>,
-    detent_torque: Option<f64>,
-    torque_share: Option<f64>,
-    protocol: Option<ProtocolName>,
-    node: Option<u8>,
-    peak_torque: Option<f64>,
-    continuous_torque: Option<f64>,
-    max_speed: Option<f64>,
-    current_bandwidth: Option<f64>,
-    position_range: Option<f64>,
-    velocity_range: Option<f64>,
-    torque_range: Option<f64>,
-    pulse_range: Option<[f64; 2]>,
-    travel: Option<f64>,
-    middle_angle: Option<f64>,
-    dead_band: Option<f64>,
-    frame_rate: Option<f64>,
-    stall_torque: Option<f64>,
-}
-
-/// The keys that not every kind takes, each with the kinds that take it.
-const OF_SOME: [(&str, &[DriveKind]); 34] = [
-    ("torque_constant", &[Brushed, Can]),
-    ("encoder_counts", &[Brushed, Steps, Can]),
-    ("encoder_side", &[Brushed, Steps]),
-    ("encoder_latency", &[Brushed]),
-    ("encoder_error", &[Brushed, Can]),
-    ("peak_current", &[Brushed]),
-    ("continuous_current", &[Brushed]),
-    ("thermal_time_constant", &[Brushed]),
-    ("current_per_code", &[Brushed]),
-    ("resistance", &[Brushed, Steps]),
-    ("inductance", &[Brushed, Steps]),
-    ("stiffness", &[Brushed, Steps]),
-    ("drive_damping", &[Brushed, Steps]),
-    ("steps_per_turn", &[Steps]),
-    ("microsteps", &[Steps]),
-    ("holding_torque", &[Steps]),
-    ("rated_current", &[Steps]),
-    ("detent_torque", &[Steps]),
-    ("torque_share", &[Steps, Servo]),
-    ("protocol", &[Can]),
-    ("node", &[Can]),
-    ("peak_torque", &[Can]),
-    ("continuous_torque", &[Can]),
-    ("max_speed", &[Can, Servo]),
-    ("current_bandwidth", &[Can]),
-    ("position_range", &[Can]),
-    ("velocity_range", &[Can]),
-    ("torque_range", &[Can]),
-    ("pulse_range", &[Servo]),
-    ("travel", &[Servo]),
-    ("middle_angle", &[Servo]),
-    ("dead_band", &[Servo]),
-    ("frame_rate", &[Servo]),
-    ("stall_torque", &[Servo]),
-];
-
-/// Reads the keys of one section, and notes those that are missing.
-struct Reader<'r, 's> {
-    source: &'r Source<'s>,
-    index: usize,
-    kind: DriveKind,
-    refusals: &'r mut Refusals,
-}
-
-impl Reader<'_, '_> {
-    /// A key that this kind needs.
-    fn needed(&mut self, name: &'static str, value: Option<f64>) -> f64 {
-        value.unwrap_or_else(|| {
-            let key = Key::Of("actuator", self.index, name);
-            let reason = format!("is missing: a drive of kind \"{}\" needs it", self.kind);
-            self.refusals.add(self.source.refuse(key, reason));
-            f64::NAN
-        })
-    }
-
-    /// Keys of other kinds are refused, so that none is without effect.
-    fn refuse_foreign(&mut self) {
-        for (name, kinds) in OF_SOME {
-            let key = Key::Of("actuator", self.index, name);
-            if kinds.contains(&self.kind) || !self.source.holds(key) {
-                continue;
-            }
-            let of: Vec<String> = kinds.iter().map(|kind| format!("\"{kind}\"")).collect();
-            let of = of.join(" or ");
-            let reason = format!(
-                "is a key of kind {of}, and this drive is of kind \"{}\": leave the key out, or write kind = {of}",
-                self.kind
-            );
-            self.refusals.add(self.source.refuse(key, reason));
-        }
-    }
-}
-
-impl ActuatorFile {
-    /// The drive; what is missing, or of another kind, is noted, and the drive is then not complete.
-    pub(super) fn read(
-        self,
-        source: &Source<'_>,
-        index: usize,
-        refusals: &mut Refusals,
-    ) -> Actuator {
-        let mut reader = Reader {
-            source,
-            index,
-            kind: self.kind,
-            refusals,
-        };
-        reader.refuse_foreign();
-        match self.kind {
-            DriveKind::Brushed => self.brushed(&mut reader),
-            DriveKind::Stepper => self.stepper(&mut reader),
-            DriveKind::CanTorque => self.can_torque(&mut reader),
-            DriveKind::Servo => self.hobby_servo(&mut reader),
+impl Actuator {
+    /// Its stepper, if it is one.
+    pub fn stepper(&self) -> Option<&Stepper> {
+        match &self.drive {
+            Drive::Stepper(stepper) => Some(stepper),
+            _ => None,
         }
     }
 
-    fn brushed(self, reader: &mut Reader<'_, '_>) -> Actuator {
-        let counts = self.encoder_counts.map(f64::from);
-        Actuator {
-            torque_constant: reader.needed("torque_constant", self.torque_constant),
-            // `as` cuts nothing: the counts were whole.
-            encoder_counts: reader.needed("encoder_counts", counts) as u32,
-            peak_current: reader.needed("peak_current", self.peak_current),
-            continuous_current: reader.needed("continuous_current", self.continuous_current),
-            thermal_time_constant: reader
-                .needed("thermal_time_constant", self.thermal_time_constant),
-            resistance: reader.needed("resistance", self.resistance),
-            inductance: reader.needed("inductance", self.inductance),
-            ..self.any(reader)
+    /// Its drive on a bus, if it is one.
+    pub fn can(&self) -> Option<&CanTorque> {
+        match &self.drive {
+            Drive::CanTorque(drive) => Some(drive),
+            _ => None,
         }
     }
 
-    /// A drive on a bus, as the motor that the rest of the program knows: currents are its torques over the torque
-    /// constant, and its winding has the lag of its current loop.
-    fn can_torque(self, reader: &mut Reader<'_, '_>) -> Actuator {
-        let protocol = self.protocol(reader);
-        let node = reader.needed("node", self.node.map(f64::from)) as u8;
-        let peak_torque = reader.needed("peak_torque", self.peak_torque);
-        let continuous_torque = reader.needed("continuous_torque", self.continuous_torque);
-        let max_speed = reader.needed("max_speed", self.max_speed);
-        let torque_constant = self.torque_constant.unwrap_or(CanTorque::TORQUE_CONSTANT);
-        let bandwidth = self
-            .current_bandwidth
-            .unwrap_or(CanTorque::CURRENT_BANDWIDTH);
-        Actuator {
-            torque_constant,
-            resistance: CanTorque::RESISTANCE,
-            inductance: CanTorque::RESISTANCE / bandwidth,
-            encoder_counts: self
-                .encoder_counts
-                .unwrap_or_else(|| CanTorque::counts(&protocol)),
-            peak_current: peak_torque / torque_constant,
-            continuous_current: continuous_torque / torque_constant,
-            thermal_time_constant: CanTorque::HEATING,
-            can: Some(CanTorque {
-                protocol,
-                node,
-                peak_torque,
-                continuous_torque,
-                max_speed,
-                current_bandwidth: bandwidth,
-            }),
-            ..self.any(reader)
+    /// Its hobby servo, if it is one.
+    pub fn hobby_servo(&self) -> Option<&HobbyServo> {
+        match &self.drive {
+            Drive::HobbyServo(servo) => Some(servo),
+            _ => None,
         }
     }
 
-    /// The protocol, with the ranges of MIT-type drives.
-    fn protocol(&self, reader: &mut Reader<'_, '_>) -> Protocol {
-        let ranges = [
-            ("position_range", self.position_range),
-            ("velocity_range", self.velocity_range),
-            ("torque_range", self.torque_range),
-        ];
-        if self.protocol == Some(ProtocolName::Mit) {
-            let [position, velocity, torque] =
-                ranges.map(|(name, range)| single(reader.needed(name, range)));
-            return Protocol::Mit(Ranges {
-                position,
-                velocity,
-                torque,
-            });
-        }
-        if self.protocol.is_none() {
-            let key = Key::Of("actuator", reader.index, "protocol");
-            let reason = "is missing: a drive of kind \"can-torque\" speaks \"odrive\" or \"mit\"";
-            reader.refusals.add(reader.source.refuse(key, reason));
-        }
-        for (name, _) in ranges.iter().filter(|(_, range)| range.is_some()) {
-            let key = Key::Of("actuator", reader.index, name);
-            let reason = "is a key of protocol \"mit\": with \"odrive\" leave it out";
-            reader.refusals.add(reader.source.refuse(key, reason));
-        }
-        Protocol::Odrive
-    }
-
-    /// A stepper, as the motor that the rest of the program knows: its holding torque at the rated current, and, without
-    /// an encoder, one count a micro-step.
-    fn stepper(self, reader: &mut Reader<'_, '_>) -> Actuator {
-        let holding_torque = reader.needed("holding_torque", self.holding_torque);
-        let rated_current = reader.needed("rated_current", self.rated_current);
-        let microsteps = reader.needed("microsteps", self.microsteps.map(f64::from)) as u32;
-        let steps_per_turn = self.steps_per_turn.unwrap_or(Stepper::STEPS_PER_TURN);
-        let detent_torque = self.detent_torque.unwrap_or(0.0);
-        let torque_share = self.torque_share.unwrap_or(Stepper::TORQUE_SHARE);
-        let resistance = reader.needed("resistance", self.resistance);
-        let inductance = reader.needed("inductance", self.inductance);
-        let encoder_counts = self.encoder_counts;
-        let side = Key::Of("actuator", reader.index, "encoder_side");
-        if encoder_counts.is_none() && reader.source.holds(side) {
-            let reason = "needs `encoder_counts`: without it the stepper has no encoder";
-            reader.refusals.add(reader.source.refuse(side, reason));
-        }
-        let any = self.any(reader);
-        let motor = Motor {
-            steps_per_turn,
-            microsteps,
-            gear_ratio: any.gear_ratio,
-            rotor_inertia: any.rotor_inertia,
-            holding_torque,
-            rated_current,
-            resistance,
-            inductance,
-            detent_torque,
-            encoder: encoder_counts.is_some(),
-        };
-        Actuator {
-            torque_constant: motor.torque_constant(),
-            resistance,
-            inductance,
-            encoder_counts: encoder_counts
-                .unwrap_or_else(|| steps_per_turn.saturating_mul(microsteps)),
-            peak_current: rated_current,
-            continuous_current: rated_current,
-            thermal_time_constant: Stepper::HEATING,
-            stepper: Some(Stepper {
-                motor,
-                torque_share,
-            }),
-            ..any
-        }
-    }
-
-    /// A hobby servo, as the motor that the rest of the program knows: currents are its torques over 1 N·m/A, and a count is
-    /// a unit of the timer that makes its pulses.
-    fn hobby_servo(mut self, reader: &mut Reader<'_, '_>) -> Actuator {
-        let missing = |reader: &mut Reader<'_, '_>| [reader.needed("pulse_range", None); 2];
-        let pulse_range = self.pulse_range.unwrap_or_else(|| missing(reader));
-        let travel = reader.needed("travel", self.travel);
-        let max_speed = reader.needed("max_speed", self.max_speed);
-        let stall_torque = reader.needed("stall_torque", self.stall_torque);
-        let dead_band = reader.needed("dead_band", self.dead_band);
-        let servo = HobbyServo {
-            pulse_range,
-            travel,
-            middle_angle: self.middle_angle,
-            max_speed,
-            stall_torque,
-            dead_band,
-            frame_rate: self.frame_rate.unwrap_or(hobby_servo::FRAME_RATE),
-            torque_share: self.torque_share.unwrap_or(hobby_servo::TORQUE_SHARE),
-        };
-        self.gear_ratio = self.gear_ratio.or(Some(1.0));
-        self.rotor_inertia = self.rotor_inertia.or_else(|| Some(servo.typical_inertia()));
-        Actuator {
-            torque_constant: CanTorque::TORQUE_CONSTANT,
-            resistance: CanTorque::RESISTANCE,
-            inductance: CanTorque::RESISTANCE / CanTorque::CURRENT_BANDWIDTH,
-            encoder_counts: servo.units_per_turn(),
-            peak_current: stall_torque / CanTorque::TORQUE_CONSTANT,
-            continuous_current: stall_torque / CanTorque::TORQUE_CONSTANT,
-            thermal_time_constant: CanTorque::HEATING,
-            hobby_servo: Some(servo),
-            ..self.any(reader)
-        }
-    }
-
-    /// What every kind has.
-    fn any(self, reader: &mut Reader<'_, '_>) -> Actuator {
-        Actuator {
-            gear_ratio: reader.needed("gear_ratio", self.gear_ratio),
-            rotor_inertia: reader.needed("rotor_inertia", self.rotor_inertia),
-            torque_constant: 0.0,
-            resistance: 0.0,
-            inductance: 0.0,
+    /// The motor with its gear ratio and the friction at its joint.
+    pub fn motor(&self) -> Motor {
+        Motor {
+            gear_ratio: self.gear_ratio,
+            rotor_inertia: self.rotor_inertia,
+            torque_constant: self.torque_constant,
+            resistance: self.resistance,
+            inductance: self.inductance,
             viscous_friction: self.viscous_friction,
             coulomb_friction: self.coulomb_friction,
-            brake_torque: self.brake_torque,
-            brake_engage_time: self.brake_engage_time,
-            brake_release_time: self.brake_release_time,
-            encoder_counts: 0,
-            peak_current: 0.0,
-            continuous_current: 0.0,
-            thermal_time_constant: 0.0,
-            current_per_code: self.current_per_code,
-            stiffness: self.stiffness,
-            drive_damping: self.drive_damping,
-            encoder_side: self.encoder_side,
-            encoder_latency: self.encoder_latency,
-            encoder_error: self.encoder_error,
-            stepper: None,
-            can: None,
-            hobby_servo: None,
         }
     }
+
+    /// The gear or belt.
+    pub fn transmission(&self) -> Transmission {
+        Transmission {
+            stiffness: self.stiffness,
+            damping: self.drive_damping,
+        }
+    }
+
+    /// The encoder, without its counts.
+    pub fn encoder(&self) -> Encoder {
+        Encoder {
+            side: self.encoder_side,
+            latency: self.encoder_latency,
+            error: self.encoder_error,
+        }
+    }
+
+    /// Longest times in which the holding brake engages and releases [s].
+    pub fn brake_times(&self) -> [f64; 2] {
+        let usual = if self.brake_torque > 0.0 {
+            BRAKE_TIME
+        } else {
+            0.0
+        };
+        [self.brake_engage_time, self.brake_release_time].map(|time| time.unwrap_or(usual))
+    }
+
+    /// Torque at the joint at peak current [N·m].
+    pub fn peak_torque(&self) -> f64 {
+        self.peak_current * self.torque_per_ampere()
+    }
+
+    /// Torque at the joint per current, without sign [N·m/A].
+    pub(super) fn torque_per_ampere(&self) -> f64 {
+        self.torque_constant * self.gear_ratio.abs()
+    }
+}
+
+/// A stepper, and how much of it a motion may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepper {
+    /// The motor with its gear and the driver's micro-steps.
+    pub motor: StepperMotor,
+    /// Share of the pull-out torque that a motion may take.
+    pub torque_share: f64,
+}
+
+/// A drive on a bus, and what it can. Torques and speeds are of its shaft, before `gear_ratio`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CanTorque {
+    /// What it speaks.
+    pub protocol: Protocol,
+    /// Its number on the bus.
+    pub node: u8,
+    /// [N·m].
+    pub peak_torque: f64,
+    /// [N·m].
+    pub continuous_torque: f64,
+    /// [rad/s].
+    pub max_speed: f64,
+    /// Bandwidth of its current loop [rad/s].
+    pub current_bandwidth: f64,
+}
+
+/// A hobby servo, and how much of its torque a motion may take. Torque and speed are of its shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HobbyServo {
+    /// Two widths of the pulse [s].
+    pub pulse_range: [f64; 2],
+    /// The angle by which the shaft turns between them [rad].
+    pub travel: f64,
+    /// The joint's angle at the middle of the widths [rad]; none: the middle of its limits.
+    pub middle_angle: Option<f64>,
+    /// At the nominal supply [rad/s].
+    pub max_speed: f64,
+    /// At the nominal supply [N·m].
+    pub stall_torque: f64,
+    /// Change of the width up to which it does not react [s].
+    pub dead_band: f64,
+    /// Pulses in a second [Hz].
+    pub frame_rate: f64,
+    /// Share of its torque that a motion may take.
+    pub torque_share: f64,
 }

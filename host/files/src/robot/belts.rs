@@ -1,7 +1,8 @@
 //! The loops of joints behind belts, which follow from the arm.
 
-use super::file::ControlFile;
-use super::settings::single;
+use super::newest::Newest;
+use super::sections::ControlFile;
+use super::value::single;
 use super::{Actuator, Robot};
 use fivebar_design::servo::{BeltJoint, BeltTuning, CURRENTS, tune_belt};
 use fivebar_firmware::settings::BeltSettings;
@@ -10,9 +11,7 @@ use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::EncoderSide;
 use nalgebra::{Matrix2, SymmetricEigen};
-use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use std::sync::{Mutex, PoisonError};
 
 /// Factors on the links' inertia for which the loops keep a margin.
 pub(super) const INERTIA_RANGE: [f64; 2] = [0.8, 1.3];
@@ -57,21 +56,10 @@ impl ControlFile {
     }
 }
 
-/// The gains of a joint. A search takes a second, and a program reads the same arm again and again, so the newest
-/// results are kept.
+/// The gains of a joint.
 fn tuned(joint: &BeltJoint) -> Option<BeltTuning> {
-    const KEPT: usize = 32;
-    static FOUND: Mutex<VecDeque<(BeltJoint, Option<BeltTuning>)>> = Mutex::new(VecDeque::new());
-    // A thread that panicked left whole entries.
-    let found = || FOUND.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, tuning)) = found().iter().find(|(known, _)| known == joint) {
-        return *tuning;
-    }
-    let tuning = tune_belt(joint);
-    let mut found = found();
-    found.truncate(KEPT - 1);
-    found.push_front((*joint, tuning));
-    tuning
+    static FOUND: Newest<BeltJoint, Option<BeltTuning>> = Newest::new();
+    FOUND.of(*joint, tune_belt)
 }
 
 /// The controller's settings of the belts with these loops.

@@ -1,37 +1,27 @@
 //! Torque drives on a CAN bus: what is known of them, and their checks.
 
-use super::file::ControlFile;
+use super::Robot;
+use super::actuator::{Actuator, CanTorque};
+use super::home_method::HomeMethod;
+use super::sections::ControlFile;
 use super::value::positive;
-use super::{Actuator, HomeMethod, Robot};
-use crate::source::{FileError, Key, Refusals, Source};
+use crate::refusal::{Key, Refusal, Refusals};
 use fivebar_firmware::drives::can::{
-    BIT_RATE, BusSetup, MOST_LOAD, Protocol, mit, most_load, odrive, sensed_after,
+    BIT_RATE, BusSetup, MOST_LOAD, Protocol, mit, most_load, odrive, sensed_after, watchdog,
 };
-use fivebar_firmware::drives::{OLDEST_SAMPLE, TorqueDrives};
-use fivebar_kinematics::control::PositionLoop;
+use fivebar_firmware::drives::{DriveStiffness, OLDEST_ANSWER, OLDEST_SAMPLE, TorqueDrives};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::CanDrive;
 use std::f64::consts::TAU;
 
-/// A drive on a bus, and what it can. Torques and speeds are of its shaft, before `gear_ratio`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CanTorque {
-    /// What it speaks.
-    pub protocol: Protocol,
-    /// Its number on the bus.
-    pub node: u8,
-    /// [N·m].
-    pub peak_torque: f64,
-    /// [N·m].
-    pub continuous_torque: f64,
-    /// [rad/s].
-    pub max_speed: f64,
-    /// Bandwidth of its current loop [rad/s].
-    pub current_bandwidth: f64,
-}
-
-/// Bandwidths of current loops [rad/s].
-const BANDWIDTHS: [f64; 2] = [200.0, 20_000.0];
+/// Turns of a drive's loops in a second [Hz]: ODrive's; MIT-type drives have more.
+const LOOP_RATE: f64 = 8000.0;
+/// Bandwidths of current loops, and of the loop that tracks the encoder [rad/s]. With both its poles at ω, a tracking loop
+/// that turns once in P is unstable from ωP = 0.83 on, and rings from 0.5 on, where the product of its poles, 1 − 2 ωP, is
+/// negative.
+const BANDWIDTHS: [f64; 2] = [200.0, 0.5 * LOOP_RATE];
+/// Steps of the frames that spring and damper of an MIT-type drive need: a fraction that is cut off then takes a quarter.
+const LEAST_STEPS: f64 = 4.0;
 
 impl CanTorque {
     /// Without one in the file, a torque of 1 N·m is told as a current of 1 A [N·m/A].
@@ -68,7 +58,7 @@ impl Robot {
     /// Its drives on a bus; none if its joints are turned by others.
     pub fn can_drives(&self) -> Option<[CanTorque; 2]> {
         let [first, second] = self.actuators.as_ref()?;
-        Some([first.can?, second.can?])
+        Some([*first.can()?, *second.can()?])
     }
 
     /// Which drives are on its bus.
@@ -89,6 +79,7 @@ impl Robot {
             rotor_inertia: actuators[j].rotor_inertia,
             peak_torque: drives[j].peak_torque,
             lag: 1.0 / drives[j].current_bandwidth,
+            watchdog: f64::from(watchdog(self.control.tick_rate as f32)),
         };
         Some((drives[0].protocol, Joint::ALL.map(drive)))
     }
@@ -96,14 +87,14 @@ impl Robot {
 
 /// The age of each drive's answer when a tick takes it [s].
 fn ages(drives: &[Actuator; 2], tick_rate: f64) -> Option<[f64; 2]> {
-    let [first, second] = [drives[0].can?, drives[1].can?];
+    let [first, second] = [drives[0].can()?, drives[1].can()?];
     let sensed = sensed_after(&first.protocol, [first.node, second.node]);
     Some(sensed.map(|after| (1.0 / tick_rate - f64::from(after)).max(0.0)))
 }
 
 /// Notes the age of the answers of drives on a bus, as the latency of the encoders, and gives the loops what the bus
 /// allows.
-pub(super) fn completed(
+pub(super) fn with_latency(
     actuators: Option<[Actuator; 2]>,
     control: &mut ControlFile,
 ) -> Option<[Actuator; 2]> {
@@ -131,20 +122,15 @@ fn lag(actuators: &[Actuator; 2], tick_rate: f64) -> f64 {
 }
 
 /// Checks each drive by itself.
-pub(super) fn check(
-    source: &Source<'_>,
-    index: usize,
-    actuator: &Actuator,
-    refusals: &mut Refusals,
-) {
-    let Some(drive) = &actuator.can else {
+pub(super) fn check_can_drive(index: usize, actuator: &Actuator, refusals: &mut Refusals) {
+    let Some(drive) = actuator.can() else {
         return;
     };
     let key = |name| Key::Of("actuator", index, name);
     if drive.node > drive.most_node() {
         let most = drive.most_node();
         let reason = format!("must be 0 to {most} in this protocol, not {}", drive.node);
-        refusals.add(source.refuse(key("node"), reason));
+        refusals.add(key("node"), reason);
     }
     for (name, value) in [
         ("peak_torque", drive.peak_torque),
@@ -152,22 +138,24 @@ pub(super) fn check(
         ("max_speed", drive.max_speed),
         ("current_bandwidth", drive.current_bandwidth),
     ] {
-        refusals.check(positive(source, key(name), value));
+        refusals.note(positive(key(name), value));
     }
     let [least, greatest] = BANDWIDTHS;
     if !(least..=greatest).contains(&drive.current_bandwidth) {
         let reason = format!(
-            "of the drive's current loop must be {least:.0} to {greatest:.0} rad/s, not {:?} rad/s",
+            "of the drive's current loop, and of the loop that tracks its encoder {LOOP_RATE:.0} times a second, must be \
+             {least:.0} to {greatest:.0} rad/s, not {:?} rad/s: above that the tracking loop rings; give the drive and \
+             the file a lower one",
             drive.current_bandwidth
         );
-        refusals.add(source.refuse(key("current_bandwidth"), reason));
+        refusals.add(key("current_bandwidth"), reason);
     }
     if drive.continuous_torque > drive.peak_torque {
         let reason = format!(
             "must be at most `peak_torque`, {:?} N·m, not {:?} N·m",
             drive.peak_torque, drive.continuous_torque
         );
-        refusals.add(source.refuse(key("continuous_torque"), reason));
+        refusals.add(key("continuous_torque"), reason);
     }
     if let Protocol::Mit(ranges) = drive.protocol {
         for (name, range, needed, of, unit) in [
@@ -186,24 +174,20 @@ pub(super) fn check(
                 "rad/s",
             ),
         ] {
-            refusals.check(positive(source, key(name), range.into()));
+            refusals.note(positive(key(name), range.into()));
             if f64::from(range) < needed {
                 let reason = format!(
                     "must be at least `{of}`, {needed:?} {unit}, not {range:?} {unit}: the frames hold no more"
                 );
-                refusals.add(source.refuse(key(name), reason));
+                refusals.add(key(name), reason);
             }
         }
-        refusals.check(positive(
-            source,
-            key("position_range"),
-            ranges.position.into(),
-        ));
+        refusals.note(positive(key("position_range"), ranges.position.into()));
     }
 }
 
 /// Checks the drives of a robot with each other, its bus, its speeds and its weight.
-pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
+pub(super) fn can_drives_fit(robot: &Robot, weights: [f64; 2], refusals: &mut Refusals) {
     let (Some(actuators), Some([first, second])) = (&robot.actuators, robot.can_drives()) else {
         return;
     };
@@ -211,28 +195,24 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
     if first.protocol != second.protocol {
         let reason =
             "must be the same for both drives, with the same ranges: they share a bus and a tick";
-        refusals.add(source.refuse(of_second("protocol"), reason));
+        refusals.add(of_second("protocol"), reason);
     }
     if first.node == second.node {
         let reason = format!(
             "is {}, as that of the other drive: both would answer each command; give one of them another number",
             second.node
         );
-        refusals.add(source.refuse(of_second("node"), reason));
+        refusals.add(of_second("node"), reason);
     }
-    bus(source, robot, &first.protocol, refusals);
+    bus(robot, &first.protocol, refusals);
     if robot.homing.method == HomeMethod::Index {
         let reason = "is \"index\", and the drives tell no index pulse: use \"absolute\", \"switch\" or \"given\"";
-        refusals.add(source.refuse(Key::In("homing", "method"), reason));
+        refusals.add(Key::In("homing", "method"), reason);
     }
     if robot.crossing.allowed {
         let reason = "is for brushed motors: with drives on a CAN bus leave it out";
-        refusals.add(source.refuse(Key::In("crossing", "allowed"), reason));
+        refusals.add(Key::In("crossing", "allowed"), reason);
     }
-    if robot.homing.method == HomeMethod::Switch {
-        sag(source, robot, actuators, refusals);
-    }
-    let weights = greatest_weights(robot);
     for joint in Joint::ALL {
         let (actuator, drive) = (&actuators[joint], [first, second][joint.index()]);
         let key = |name| Key::Of("actuator", joint.index(), name);
@@ -248,7 +228,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                      gives {:.3} N·m there: take a stronger one, or a greater `gear_ratio`",
                     torque * gear
                 );
-                refusals.add(source.refuse(key(name), reason));
+                refusals.add(key(name), reason);
                 break;
             }
         }
@@ -260,7 +240,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                 drive.max_speed,
                 drive.max_speed / gear
             );
-            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+            refusals.add(Key::In("limits", "max_speed"), reason);
         }
         let most = TAU * f64::from(odrive::MOST_INPUT);
         if drive.protocol == Protocol::Odrive && speed * gear > most {
@@ -269,20 +249,49 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                 speed * gear,
                 most / gear
             );
-            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+            refusals.add(Key::In("limits", "max_speed"), reason);
         }
-        refusals.check(positions(source, robot, joint, &drive, gear));
+        refusals.note(positions(robot, joint, &drive, gear));
+    }
+    if let Protocol::Mit(_) = first.protocol {
+        gains(robot, refusals);
+    }
+}
+
+/// Whether the frames of MIT-type drives hold the springs and dampers that follow from the bandwidths of their loops.
+fn gains(robot: &Robot, refusals: &mut Refusals) {
+    let Some(settings) = robot.settings().ok().and_then(|it| it.check().ok()) else {
+        return;
+    };
+    let springs = DriveStiffness::of(&settings);
+    for joint in Joint::ALL {
+        let (spring, ratio) = (
+            springs[joint.index()],
+            settings.axes[joint.index()].gear_ratio,
+        );
+        let square = f64::from(ratio * ratio);
+        for (name, value, most, unit) in [
+            ("stiffness", spring.stiffness, mit::STIFFNESS, "N·m/rad"),
+            ("damping", spring.damping, mit::DAMPING, "N·m·s/rad"),
+        ] {
+            let (value, most) = (f64::from(value) / square, f64::from(most));
+            let least = LEAST_STEPS * most / 4095.0;
+            if !(least..=most).contains(&value) {
+                let remedy = if value < least { "a higher" } else { "a lower" };
+                let reason = format!(
+                    "of {joint} makes a {name} of {value:.2e} {unit} at the drive, and its frames hold {least:.2e} to \
+                     {most:?} {unit} with a sense: {remedy} one, or another `gear_ratio`, is needed"
+                );
+                let key = Key::Of("actuator", joint.index(), "current_bandwidth");
+                refusals.add(key, reason);
+                break;
+            }
+        }
     }
 }
 
 /// Whether the frames hold the positions of a joint, whose drive turns so many times as fast.
-fn positions(
-    source: &Source<'_>,
-    robot: &Robot,
-    joint: Joint,
-    drive: &CanTorque,
-    gear: f64,
-) -> Result<(), FileError> {
+fn positions(robot: &Robot, joint: Joint, drive: &CanTorque, gear: f64) -> Result<(), Refusal> {
     if let Protocol::Mit(ranges) = drive.protocol {
         let range = f64::from(ranges.position);
         let home = robot.home[joint];
@@ -294,61 +303,14 @@ fn positions(
                  drive from home"
             );
             let key = Key::Of("actuator", joint.index(), "position_range");
-            return Err(source.refuse(key, reason));
+            return Err(key.refused(reason));
         }
     }
     Ok(())
 }
 
-/// Whether an arm that homes carries its weight: its angles, and so its weight, are not known then, and the loop alone holds
-/// it.
-fn sag(source: &Source<'_>, robot: &Robot, actuators: &[Actuator; 2], refusals: &mut Refusals) {
-    let home = robot.home_pose().ok().zip(robot.arm.as_ref());
-    let known = home.and_then(|(home, arm)| {
-        Some((
-            arm.gravity_torque(&home).ok()?,
-            arm.mass_matrix(&home).ok()?,
-        ))
-    });
-    let Some((weight, mass)) = known else {
-        return;
-    };
-    let control = &robot.control;
-    let position = PositionLoop::new(
-        control.bandwidth,
-        control.damping,
-        lag(actuators, control.tick_rate),
-        control.integral_rate,
-        1.0 / control.tick_rate,
-    );
-    let sags = [0, 1].map(|j| weight[j].abs() / (mass[(j, j)] * position.kp()));
-    let (sag, most) = (sags[0].max(sags[1]), robot.protection.following_error);
-    if sag > most {
-        let reason = format!(
-            "is {most:?} rad, and by {sag:.4} rad a joint sinks under its weight while it homes, where only the loop holds \
-             it: at least {:.3} rad are needed",
-            1.5 * sag
-        );
-        refusals.add(source.refuse(Key::In("protection", "following_error"), reason));
-    }
-}
-
-/// The greatest torques of the weight at each joint, over the poses within the limits [N·m].
-pub(super) fn greatest_weights(robot: &Robot) -> [f64; 2] {
-    let Some(arm) = &robot.arm else {
-        return [0.0; 2];
-    };
-    let torques = robot
-        .poses()
-        .into_iter()
-        .filter_map(|pose| arm.gravity_torque(&pose).ok());
-    torques.fold([0.0; 2], |[most1, most4]: [f64; 2], [torque1, torque4]| {
-        [most1.max(torque1.abs()), most4.max(torque4.abs())]
-    })
-}
-
 /// Whether the bus has room for every tick, and answers are young enough.
-fn bus(source: &Source<'_>, robot: &Robot, protocol: &Protocol, refusals: &mut Refusals) {
+fn bus(robot: &Robot, protocol: &Protocol, refusals: &mut Refusals) {
     let tick_rate = robot.control.tick_rate;
     let load = f64::from(most_load(protocol, tick_rate as f32));
     let most = f64::from(MOST_LOAD);
@@ -362,16 +324,16 @@ fn bus(source: &Source<'_>, robot: &Robot, protocol: &Protocol, refusals: &mut R
             100.0 * most,
             CanTorque::TICK_RATE
         );
-        refusals.add(source.refuse(key, reason));
+        refusals.add(key, reason);
     }
-    let least = 1.0 / f64::from(OLDEST_SAMPLE);
+    let least = f64::from(OLDEST_ANSWER) / f64::from(OLDEST_SAMPLE);
     if tick_rate < least {
         let reason = format!(
-            "is {tick_rate:?} Hz: the drives answer once in a tick, and an answer older than {:.1} ms is a fault; at \
-             least {:.0} Hz are needed",
+            "is {tick_rate:?} Hz: the drives answer once in a tick, and a drive that is silent must be found within \
+             {:.0} ms, {OLDEST_ANSWER} ticks; at least {:.0} Hz are needed",
             1e3 * f64::from(OLDEST_SAMPLE),
             least.ceil()
         );
-        refusals.add(source.refuse(key, reason));
+        refusals.add(key, reason);
     }
 }

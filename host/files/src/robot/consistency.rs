@@ -1,9 +1,15 @@
 //! Checks that a robot's values are consistent and that its controller accepts them. Errors
 //! name the keys of the robot file, from which the settings are made.
 
+use super::can_torque::can_drives_fit;
+use super::hobby_servo::servos_fit;
+use super::homing::check_search;
+use super::plausible::check_sizes;
 use super::settings::ADC_CODES;
-use super::{Actuator, Robot, plausible};
-use crate::source::{FileError, Key, Refusals, Source};
+use super::stepper::steppers_fit;
+use super::{Actuator, Drive, Robot};
+use crate::refusal::{Key, Refusal, Refusals};
+use crate::source::Source;
 use fivebar_firmware::settings::{AxisField, Row, SettingsError};
 use fivebar_kinematics::five_bar::Joint;
 
@@ -15,11 +21,48 @@ const WINDING: [f64; 2] = [1e-6, 1.0];
 type InvalidValue = (Key, String, &'static str, String);
 
 /// Checks values that are valid on their own.
-pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
-    for invalid in motors(robot).into_iter().chain(bus(robot)) {
-        refusals.add(refusal(source, invalid));
+pub(super) fn check_together(source: &Source<'_>, robot: &Robot) -> Result<(), Refusal> {
+    let kinds = robot.actuators.map(|both| both.map(|it| it.kind()));
+    if kinds.is_some_and(|[first, second]| first != second) {
+        let reason = "must be the same for both joints";
+        return Err(Key::Of("actuator", 1, "kind").refused(reason));
     }
-    plausible::check(source, robot, refusals);
+    let mut refusals = Refusals::default();
+    refusals.note(check_search(robot));
+    if source.holds(Key::Top("home")) {
+        refusals.note(home_fits(robot));
+    }
+    let weights = robot.greatest_weights();
+    steppers_fit(robot, weights, &mut refusals);
+    can_drives_fit(robot, weights, &mut refusals);
+    servos_fit(robot, weights, &mut refusals);
+    for invalid in motors(robot).into_iter().chain(bus(robot)) {
+        refuse(source, invalid, &mut refusals);
+    }
+    check_sizes(source, robot, &mut refusals);
+    controller_accepts(source, robot, &mut refusals);
+    refusals.done()
+}
+
+/// Checks that home is a pose in the working mode and within the joint limits.
+fn home_fits(robot: &Robot) -> Result<(), Refusal> {
+    let [theta1, theta4] = robot.home;
+    if !robot.limits.contain(robot.home) {
+        let [limits1, limits4] = robot.limits.angle;
+        let reason = format!(
+            "[{theta1:?}, {theta4:?}] rad is outside the joints' limits {limits1:.4?} and {limits4:.4?} rad"
+        );
+        return Err(Key::Top("home").refused(reason));
+    }
+    robot.home_pose().map(|_| ()).map_err(|_| {
+        let reason =
+            format!("[{theta1:?}, {theta4:?}] rad: the arm has no pose there in its working mode");
+        Key::Top("home").refused(reason)
+    })
+}
+
+/// Checks the settings that are made from the values.
+fn controller_accepts(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
     // An arm with lengths only has no controller.
     let Ok(settings) = robot.settings() else {
         return;
@@ -72,7 +115,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals)
         let (key, ..) = invalid;
         // After other refusals, what the file leaves out follows from them.
         if !refusals.has(key) && (refusals.is_empty() || source.holds(key)) {
-            refusals.add(refusal(source, invalid));
+            refuse(source, invalid, refusals);
         }
     }
 }
@@ -111,14 +154,17 @@ pub fn robot_file_message(error: SettingsError) -> String {
     }
 }
 
-fn refusal(source: &Source<'_>, (key, value, unit, must): InvalidValue) -> FileError {
+fn refuse(source: &Source<'_>, (key, value, unit, must): InvalidValue, refusals: &mut Refusals) {
     let space = if unit.is_empty() { "" } else { " " };
     let default = if source.holds(key) {
         ""
     } else {
         ", the default"
     };
-    source.refuse(key, format!("{must}, not {value}{space}{unit}{default}"))
+    refusals.add(
+        key,
+        format_args!("{must}, not {value}{space}{unit}{default}"),
+    );
 }
 
 fn written(value: f64) -> String {
@@ -131,7 +177,7 @@ fn motors(robot: &Robot) -> Vec<InvalidValue> {
     let motors = robot.actuators.iter().flatten().enumerate();
     let invalid = motors.filter_map(|(index, motor)| {
         let key = |name| Key::Of("actuator", index, name);
-        if motor.can.is_some() || motor.hobby_servo.is_some() {
+        if !matches!(motor.drive, Drive::Brushed | Drive::Stepper(_)) {
             return None;
         }
         let [least, greatest] = WINDING;

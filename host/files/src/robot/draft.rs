@@ -1,9 +1,10 @@
 //! A new arm: the few values that define it, and the robot file made from them.
 
 use super::draft_motors::{Motor, Motors};
-use super::file::Limits;
+use super::sections::Limits;
 use super::{Robot, template};
-use crate::source::{FileError, Key};
+use crate::refusal::Key;
+use crate::source::FileError;
 use fivebar_firmware::settings::SettingsError;
 use std::fmt;
 

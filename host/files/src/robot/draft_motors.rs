@@ -3,8 +3,8 @@
 use super::draft::tidy;
 use super::hobby_servo::SPEED_SHARE;
 use super::stepper::STEP_RATE;
-use crate::source::Key;
-use fivebar_plant::Stepper;
+use crate::refusal::Key;
+use fivebar_plant::{DriverMode, Stepper};
 use std::f64::consts::{PI, TAU};
 
 /// The speeds at which a stepper's torque is looked at.
@@ -67,6 +67,8 @@ pub struct StepperMotor {
     pub resistance: f64,
     /// Winding inductance [H].
     pub inductance: f64,
+    /// What its driver gives the windings.
+    pub driver: DriverMode,
 }
 
 /// A torque drive on a CAN bus, with its motor and gear. Torques and speeds are of the drive's shaft.
@@ -147,6 +149,7 @@ impl StepperMotor {
         rated_current: 1.7,
         resistance: 1.5,
         inductance: 2.8e-3,
+        driver: DriverMode::Current,
     };
     /// Coulomb friction of motor, bearings and belt over the holding torque.
     const COULOMB: f64 = 0.0125;
@@ -260,6 +263,7 @@ impl StepperMotor {
             inductance: self.inductance,
             detent_torque: 0.0,
             encoder: false,
+            driver: self.driver,
         };
         let of_driver =
             TAU * STEP_RATE / (f64::from(self.steps_per_turn) * f64::from(self.microsteps));
@@ -281,6 +285,7 @@ impl StepperMotor {
             number("rated_current", self.rated_current),
             number("resistance", self.resistance),
             number("inductance", self.inductance),
+            word("driver", &self.driver.to_string()),
             // A stepper swings about its field, and only friction ends that: typical values, as none is asked.
             number(
                 "coulomb_friction",

@@ -2,8 +2,8 @@
 //! what plans need of it.
 
 use super::value::{not_negative, positive};
-use super::{Actuator, DriveKind, Robot};
-use crate::source::{FileError, Key, Source};
+use super::{Actuator, Robot};
+use crate::refusal::{Key, Refusal};
 use fivebar_design::time_optimal::PlannedDrive;
 use fivebar_firmware::settings::{AxisField, Field, Row};
 use fivebar_plant::{Bound, MismatchError, check_harmonics};
@@ -21,10 +21,9 @@ impl Robot {
             actuators.map(|actuator| PlannedDrive {
                 viscous: actuator.viscous_friction,
                 coulomb: actuator.coulomb_friction,
-                // The supply limits a stepper by its pull-out torque, and other drives by their greatest speed.
-                torque_constant: match actuator.kind() {
-                    DriveKind::Brushed => actuator.torque_constant * actuator.gear_ratio.abs(),
-                    DriveKind::Stepper | DriveKind::CanTorque | DriveKind::Servo => 0.0,
+                torque_constant: match actuator.kind().is_limited_by_winding() {
+                    true => actuator.torque_constant * actuator.gear_ratio.abs(),
+                    false => 0.0,
                 },
                 resistance: actuator.resistance,
             })
@@ -33,11 +32,7 @@ impl Robot {
 }
 
 /// Checks that a brake's times are those of a brake.
-pub(super) fn check_brake(
-    source: &Source<'_>,
-    index: usize,
-    actuator: &Actuator,
-) -> Result<(), FileError> {
+pub(super) fn check_brake(index: usize, actuator: &Actuator) -> Result<(), Refusal> {
     for (name, field, time) in [
         (
             "brake_engage_time",
@@ -53,36 +48,32 @@ pub(super) fn check_brake(
         let (key, time) = (Key::Of("actuator", index, name), time.unwrap_or(0.0));
         bound(&field.row())
             .check(name, time)
-            .map_err(|invalid| source.refuse(key, invalid))?;
+            .map_err(|invalid| key.refused(invalid))?;
         if time > 0.0 && actuator.brake_torque <= 0.0 {
             let reason = "needs a `brake_torque`: without it the joint has no brake";
-            return Err(source.refuse(key, reason));
+            return Err(key.refused(reason));
         }
     }
     Ok(())
 }
 
-pub(super) fn check(
-    source: &Source<'_>,
-    index: usize,
-    actuator: &Actuator,
-) -> Result<(), FileError> {
+pub(super) fn check_transmission(index: usize, actuator: &Actuator) -> Result<(), Refusal> {
     let key = |name| Key::Of("actuator", index, name);
-    let refused = |invalid: MismatchError| source.refuse(key(invalid.name), invalid);
+    let refused = |invalid: MismatchError| key(invalid.name).refused(invalid);
     let latency = ("encoder_latency", actuator.encoder_latency);
     let damping = ("drive_damping", actuator.drive_damping);
     bound(&AxisField::EncoderLatency.row())
         .check(latency.0, latency.1)
         .map_err(refused)?;
     check_harmonics("encoder_error", &actuator.encoder_error).map_err(refused)?;
-    not_negative(source, key(damping.0), damping.1)?;
+    not_negative(key(damping.0), damping.1)?;
     let Some(stiffness) = actuator.stiffness else {
         if damping.1 > 0.0 {
             return Err(refused(Bound::NoSpring.broken_by(damping.0, damping.1)));
         }
         return Ok(());
     };
-    positive(source, key("stiffness"), stiffness)?;
+    positive(key("stiffness"), stiffness)?;
     if actuator.rotor_inertia <= 0.0 {
         return Err(refused(Bound::NoRotor.broken_by("stiffness", stiffness)));
     }

@@ -3,33 +3,12 @@
 //! A servo knows its angle and closes a loop of its own. It tells nothing, so motions keep well below what it can: a share
 //! of its speed, and a share of the torque that it has at the joint's greatest speed.
 
-use super::can_torque::greatest_weights;
+use super::actuator::{Actuator, HobbyServo};
 use super::value::positive;
-use super::{Actuator, HomeMethod, Robot};
-use crate::source::{FileError, Key, Refusals, Source};
+use super::{HomeMethod, Robot};
+use crate::refusal::{Key, Refusal, Refusals};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::HobbyServo as Simulated;
-
-/// A hobby servo, and how much of its torque a motion may take. Torque and speed are of its shaft.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HobbyServo {
-    /// Two widths of the pulse [s].
-    pub pulse_range: [f64; 2],
-    /// The angle by which the shaft turns between them [rad].
-    pub travel: f64,
-    /// The joint's angle at the middle of the widths [rad]; none: the middle of its limits.
-    pub middle_angle: Option<f64>,
-    /// At the nominal supply [rad/s].
-    pub max_speed: f64,
-    /// At the nominal supply [N·m].
-    pub stall_torque: f64,
-    /// Change of the width up to which it does not react [s].
-    pub dead_band: f64,
-    /// Pulses in a second [Hz].
-    pub frame_rate: f64,
-    /// Share of its torque that a motion may take.
-    pub torque_share: f64,
-}
 
 /// Pulses in a second that every servo takes [Hz].
 pub(super) const FRAME_RATE: f64 = 50.0;
@@ -91,11 +70,21 @@ impl HobbyServo {
 }
 
 impl Robot {
+    /// The joints' angles at the middle of the servos' widths [rad]; none if its joints are turned by others.
+    pub fn middle_angles(&self) -> Option<[f64; 2]> {
+        let actuators = self.actuators.as_ref()?;
+        let middle = |j: Joint| {
+            let servo = actuators[j].hobby_servo()?;
+            Some(servo.middle(self.limits.angle[j]))
+        };
+        Some([middle(Joint::Joint1)?, middle(Joint::Joint4)?])
+    }
+
     /// Its hobby servos, for the simulated arm; none if its joints are turned by others.
     pub fn hobby_servos(&self) -> Option<[Simulated; 2]> {
         let servo = |j: Joint| {
             let actuator = self.actuators?[j];
-            let servo = actuator.hobby_servo?;
+            let servo = actuator.hobby_servo()?;
             let home = self.home[j] - servo.middle(self.limits.angle[j]);
             Some(servo.simulated(actuator.gear_ratio, actuator.rotor_inertia, home))
         };
@@ -103,24 +92,9 @@ impl Robot {
     }
 }
 
-/// The angles of servos are absolute.
-pub(super) fn completed(
-    source: &Source<'_>,
-    actuators: Option<&[Actuator; 2]>,
-) -> Option<HomeMethod> {
-    let is_servo = |actuators: &[Actuator; 2]| actuators.iter().all(|it| it.hobby_servo.is_some());
-    let given = source.holds(Key::In("homing", "method"));
-    (actuators.is_some_and(is_servo) && !given).then_some(HomeMethod::Absolute)
-}
-
 /// Checks each servo by itself.
-pub(super) fn check(
-    source: &Source<'_>,
-    index: usize,
-    actuator: &Actuator,
-    refusals: &mut Refusals,
-) {
-    let Some(servo) = &actuator.hobby_servo else {
+pub(super) fn check_servo(index: usize, actuator: &Actuator, refusals: &mut Refusals) {
+    let Some(servo) = actuator.hobby_servo() else {
         return;
     };
     let key = |name| Key::Of("actuator", index, name);
@@ -128,7 +102,7 @@ pub(super) fn check(
         ("max_speed", servo.max_speed),
         ("stall_torque", servo.stall_torque),
     ] {
-        refusals.check(positive(source, key(name), value));
+        refusals.note(positive(key(name), value));
     }
     let [one, other] = servo.pulse_range;
     let is_width = |width: f64| (WIDTHS[0]..=WIDTHS[1]).contains(&width);
@@ -139,7 +113,7 @@ pub(super) fn check(
              [{one:?}, {other:?}]: [0.0005, 0.0025] is usual; a servo that turns against its joint has a negative \
              `gear_ratio`"
         );
-        refusals.add(source.refuse(key("pulse_range"), reason));
+        refusals.add(key("pulse_range"), reason);
     }
     for (name, value, [least, greatest], unit, of) in [
         (
@@ -173,31 +147,30 @@ pub(super) fn check(
     ] {
         if !(least..=greatest).contains(&value) {
             let reason = format!("must be {least:?} to {greatest:?} {unit}, not {value:?}: {of}");
-            refusals.add(source.refuse(key(name), reason));
+            refusals.add(key(name), reason);
         }
     }
 }
 
 /// Checks the servos of a robot with its angles, its speeds and its weight.
-pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
+pub(super) fn servos_fit(robot: &Robot, weights: [f64; 2], refusals: &mut Refusals) {
     let (Some(actuators), Some(_)) = (&robot.actuators, robot.hobby_servos()) else {
         return;
     };
     if robot.homing.method != HomeMethod::Absolute {
         let reason = "is for motors that search for their angles, and a hobby servo knows its own: leave it out";
-        refusals.add(source.refuse(Key::In("homing", "method"), reason));
+        refusals.add(Key::In("homing", "method"), reason);
     }
     if robot.crossing.allowed {
         let reason = "is for brushed motors: with hobby servos leave it out";
-        refusals.add(source.refuse(Key::In("crossing", "allowed"), reason));
+        refusals.add(Key::In("crossing", "allowed"), reason);
     }
-    let weights = greatest_weights(robot);
     for joint in Joint::ALL {
         let (actuator, weight) = (&actuators[joint], weights[joint.index()]);
-        let Some(servo) = &actuator.hobby_servo else {
+        let Some(servo) = actuator.hobby_servo() else {
             return;
         };
-        refusals.check(covers(source, robot, joint, actuator, servo));
+        refusals.note(covers(robot, joint, actuator, servo));
         let gear = actuator.gear_ratio.abs();
         let max_speed = robot.limits.max_speed[joint];
         let fastest = SPEED_SHARE * servo.max_speed / gear;
@@ -206,7 +179,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                 "of {joint} is {max_speed:?} rad/s, and motions may take {SPEED_SHARE:?} of what its servo can, so that \
                  the servo can catch up: lower it to {fastest:.3} rad/s"
             );
-            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+            refusals.add(Key::In("limits", "max_speed"), reason);
             continue;
         }
         let at_speed = servo.stall_torque * servo.torque_at_speed(max_speed * gear);
@@ -217,19 +190,18 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                  are {:?} of what the servo has at `max_speed` of [limits]: take a stronger one",
                 servo.torque_share
             );
-            refusals.add(source.refuse(Key::Of("actuator", joint.index(), "stall_torque"), reason));
+            refusals.add(Key::Of("actuator", joint.index(), "stall_torque"), reason);
         }
     }
 }
 
 /// Whether a servo's travel covers its joint's angles.
 fn covers(
-    source: &Source<'_>,
     robot: &Robot,
     joint: Joint,
     actuator: &Actuator,
     servo: &HobbyServo,
-) -> Result<(), FileError> {
+) -> Result<(), Refusal> {
     let limits = robot.limits.angle[joint];
     let middle = servo.middle(limits);
     let half = 0.5 * servo.travel / actuator.gear_ratio.abs();
@@ -247,5 +219,5 @@ fn covers(
         middle - half,
         middle + half
     );
-    Err(source.refuse(Key::Of("actuator", joint.index(), "travel"), reason))
+    Err(Key::Of("actuator", joint.index(), "travel").refused(reason))
 }

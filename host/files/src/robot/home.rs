@@ -77,9 +77,17 @@ impl Robot {
     }
 }
 
+/// The joint angles [rad] of the best conditioned pose; zero for an arm without any.
+pub(super) fn default_home(tool: &Tool<f64>, elbows: WorkingMode, limits: &Limits) -> [f64; 2] {
+    let pose = best_conditioned(tool, elbows, limits, |_| true);
+    pose.map_or([0.0; 2], |pose| {
+        [pose.u1.polar_angle(), pose.u4.polar_angle()]
+    })
+}
+
 /// Of the poses with C in front of the middle of the base that `allowed` accepts, the one with
 /// the greatest distance from singularities of the arm with its tool.
-pub(super) fn best_conditioned(
+fn best_conditioned(
     tool: &Tool<f64>,
     elbows: WorkingMode,
     limits: &Limits,

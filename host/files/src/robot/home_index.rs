@@ -1,7 +1,7 @@
 //! `method = "index"` of `[homing]`: the encoders' index pulses after the home switches.
 
 use super::{Actuator, HomeMethod, Robot};
-use crate::source::{FileError, Key, Source};
+use crate::refusal::{Key, Refusal};
 use fivebar_firmware::settings::{HomingSettings, INDEX_MARGIN};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::EncoderSide;
@@ -46,10 +46,10 @@ impl Robot {
 }
 
 /// A pulse must last long enough while a joint creeps, and be the first one after the switch for certain.
-pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+pub(super) fn check_index(robot: &Robot) -> Result<(), Refusal> {
     let Some(actuators) = &robot.actuators else {
         let reason = "needs both [[actuator]]: their encoders have the index pulses";
-        return Err(source.refuse(Key::In("homing", "method"), reason));
+        return Err(Key::In("homing", "method").refused(reason));
     };
     let rate = robot.control.tick_rate;
     let fastest = actuators.each_ref().map(|actuator| {
@@ -62,7 +62,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
             "must be at most {fastest:.3} rad/s for index pulses: at an eighth of it a pulse of one count \
              lasts four ticks"
         );
-        return Err(source.refuse(Key::In("homing", "speed"), reason));
+        return Err(Key::In("homing", "speed").refused(reason));
     }
     let switches = robot.switches(actuators).unwrap_or(robot.home);
     let key = Key::In("homing", "switch");
@@ -74,7 +74,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
                 "of {joint} is at {switch:.4} rad, outside limits.angle {low:?} to {high:?}: a switch \
                  beyond them is not reached (without the key it is half a turn of the encoder behind home)"
             );
-            return Err(source.refuse(key, reason));
+            return Err(key.refused(reason));
         }
         let turn = actuators[joint].index_turn();
         let angle = robot.towards(joint) * (switch - robot.home[joint]);
@@ -89,7 +89,7 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
                 margin * turn,
                 (1.0 - margin) * turn
             );
-            return Err(source.refuse(key, reason));
+            return Err(key.refused(reason));
         }
     }
     Ok(())

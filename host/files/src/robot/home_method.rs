@@ -2,7 +2,7 @@
 
 use super::homing::HomeSearch;
 use super::{Actuator, Robot};
-use crate::source::{FileError, Key, Source};
+use crate::refusal::{Key, Refusal};
 use fivebar_firmware::settings::{HomeReference, HomingMethod};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::EncoderSide;
@@ -52,43 +52,51 @@ pub(super) fn reference(search: &HomeSearch, tick_rate: f64) -> HomeReference {
 }
 
 /// Refuses a method that does not fit the arm, and keys that it does not use.
-pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+pub(super) fn check_method(robot: &Robot) -> Result<(), Refusal> {
     let search = &robot.homing;
     let key = |name| Key::In("homing", name);
     if search.samples == Some(0) {
-        return Err(source.refuse(key("samples"), "must be 1 to 255, not 0"));
+        return Err(key("samples").refused("must be 1 to 255, not 0"));
     }
     if search.switch.is_some() && search.method != HomeMethod::Index {
         let reason = "is of the method \"index\": with any other, switches close at home";
-        return Err(source.refuse(key("switch"), reason));
+        return Err(key("switch").refused(reason));
     }
     match search.method {
         HomeMethod::Switch => Ok(()),
-        HomeMethod::Index => super::home_index::check(source, robot),
-        HomeMethod::HardStop => hard_stop(source, robot),
+        HomeMethod::Index => super::home_index::check_index(robot),
+        HomeMethod::HardStop => hard_stop(robot),
         HomeMethod::Absolute => {
-            nothing_searched(source)?;
-            absolute(source, robot)
+            nothing_searched(search)?;
+            absolute(robot)
         }
-        HomeMethod::Given => nothing_searched(source),
+        HomeMethod::Given => nothing_searched(search),
     }
 }
 
 /// Refuses the keys of a search.
-fn nothing_searched(source: &Source<'_>) -> Result<(), FileError> {
-    let search = ["samples", "forward", "speed", "back_off", "current"];
-    let given = search.map(|name| Key::In("homing", name));
-    match given.into_iter().find(|key| source.holds(*key)) {
-        Some(key) => Err(source.refuse(key, "is of a search, and this method moves nothing")),
+fn nothing_searched(search: &HomeSearch) -> Result<(), Refusal> {
+    let given = [
+        ("samples", search.samples.is_some()),
+        ("forward", search.forward.is_some()),
+        ("speed", search.speed.is_some()),
+        ("back_off", search.back_off.is_some()),
+        ("current", search.current.is_some()),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) => {
+            let reason = "is of a search, and this method moves nothing";
+            Err(Key::In("homing", name).refused(reason))
+        }
         None => Ok(()),
     }
 }
 
 /// A stop is felt at no more than the continuous current, and lies just behind the range of the angles.
-fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+fn hard_stop(robot: &Robot) -> Result<(), Refusal> {
     let method = Key::In("homing", "method");
     let Some(actuators) = &robot.actuators else {
-        return Err(source.refuse(method, "needs both [[actuator]]: it feels motor currents"));
+        return Err(method.refused("needs both [[actuator]]: it feels motor currents"));
     };
     let least = |values: [f64; 2]| values[0].min(values[1]);
     let continuous = least(Joint::ALL.map(|j| robot.limited(j, actuators[j]).continuous_current));
@@ -97,7 +105,7 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         let reason = format!(
             "must be given for hard stops, {continuous:?} A at most, the least continuous current"
         );
-        return Err(source.refuse(Key::In("homing", "current"), reason));
+        return Err(Key::In("homing", "current").refused(reason));
     }
     let samples = reference(&robot.homing, robot.control.tick_rate).samples;
     let felt_in = f64::from(samples) / robot.control.tick_rate;
@@ -106,7 +114,7 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         let reason = format!(
             "must be at most {fastest:.3} rad/s for hard stops: half of following_error within samples"
         );
-        return Err(source.refuse(Key::In("homing", "speed"), reason));
+        return Err(Key::In("homing", "speed").refused(reason));
     }
     for joint in Joint::ALL {
         let [low, high] = robot.limits.angle[joint];
@@ -116,40 +124,41 @@ fn hard_stop(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
         } else {
             (low, home - low)
         };
-        let back_off = robot.homing.back_off;
+        let back_off = robot.back_off();
         if beyond > back_off {
             let reason = format!(
                 "of {joint} must end before its hard stop, which lies {back_off:?} rad, the \
                  back_off, behind home: not at {end:?} rad"
             );
-            return Err(source.refuse(Key::In("limits", "angle"), reason));
+            return Err(Key::In("limits", "angle").refused(reason));
         }
     }
     Ok(())
 }
 
 /// An absolute encoder shows one angle only if it turns with its joint, and that by one turn at most.
-fn absolute(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+fn absolute(robot: &Robot) -> Result<(), Refusal> {
     for joint in Joint::ALL {
         let Some(actuators) = &robot.actuators else {
             continue;
         };
+        let actuator = &actuators[joint];
+        let is_servo = actuator.hobby_servo().is_some();
         let Actuator {
             gear_ratio,
             encoder_side,
-            hobby_servo,
             ..
-        } = actuators[joint];
-        if hobby_servo.is_none() && encoder_side == EncoderSide::Motor && gear_ratio.abs() != 1.0 {
+        } = actuator;
+        if !is_servo && *encoder_side == EncoderSide::Motor && gear_ratio.abs() != 1.0 {
             let key = Key::Of("actuator", joint.index(), "encoder_side");
             let reason = "must be \"joint\" for absolute encoders: a motor has the same counts in each \
                           of its turns";
-            return Err(source.refuse(key, reason));
+            return Err(key.refused(reason));
         }
         let [low, high] = robot.limits.angle[joint];
         if high - low > TAU {
             let reason = "must be a turn at most for absolute encoders, for each joint";
-            return Err(source.refuse(Key::In("limits", "angle"), reason));
+            return Err(Key::In("limits", "angle").refused(reason));
         }
     }
     Ok(())

@@ -1,16 +1,14 @@
 //! `[homing]`: how the controller finds the joints' angles.
 
 use super::Robot;
-use super::file::default_of;
 use super::home_method::{self, HomeMethod};
 use super::value::positive;
-use crate::source::{FileError, Key, Source};
-use fivebar_firmware::settings::Field;
+use crate::refusal::{Key, Refusal};
 use fivebar_kinematics::five_bar::Joint;
 use serde::Deserialize;
 
 /// Where the joints' angles come from, and the search for switches, index pulses or stops.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HomeSearch {
     /// Where the angles come from.
@@ -24,8 +22,8 @@ pub struct HomeSearch {
     /// Speed of the first approach [rad/s], the second has an eighth of it; none: 0.02 of the slower
     /// joint's greatest speed.
     pub speed: Option<f64>,
-    /// Angle by which a joint backs off from its closed switch [rad].
-    pub back_off: f64,
+    /// Angle by which a joint backs off from its closed switch [rad]; none: the controller's default.
+    pub back_off: Option<f64>,
     /// Angles at which the switches close where the angles come from index pulses [rad]; none: half a
     /// turn of the encoder behind `home`.
     pub switch: Option<[f64; 2]>,
@@ -33,22 +31,8 @@ pub struct HomeSearch {
     pub current: Option<f64>,
 }
 
-impl Default for HomeSearch {
-    fn default() -> Self {
-        Self {
-            method: HomeMethod::Switch,
-            samples: None,
-            forward: None,
-            speed: None,
-            back_off: default_of(&Field::HomingBackOff.row()),
-            switch: None,
-            current: None,
-        }
-    }
-}
-
 /// Refuses values that the controller would refuse, with their lines.
-pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError> {
+pub(super) fn check_search(robot: &Robot) -> Result<(), Refusal> {
     let HomeSearch {
         speed,
         back_off,
@@ -57,10 +41,11 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
     } = robot.homing;
     let at_most = |name: &'static str, value: f64, most: f64, of: &str| {
         let key = Key::In("homing", name);
-        if positive(source, key, value)? <= most {
+        positive(key, value)?;
+        if value <= most {
             return Ok(());
         }
-        Err(source.refuse(key, format!("must be at most {most:?}{of}, not {value:?}")))
+        Err(key.refused(format!("must be at most {most:?}{of}, not {value:?}")))
     };
     let least = |[a, b]: [f64; 2]| a.min(b);
     if let Some(speed) = speed {
@@ -68,14 +53,16 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot) -> Result<(), FileError>
         at_most("speed", speed, most, " rad/s, the slower joint's max_speed")?;
     }
     // The controller takes less than 1 rad.
-    at_most("back_off", back_off, 0.99, " rad")?;
-    home_method::check(source, robot)?;
+    if let Some(back_off) = back_off {
+        at_most("back_off", back_off, 0.99, " rad")?;
+    }
+    home_method::check_method(robot)?;
     let Some(current) = current else {
         return Ok(());
     };
     let Some(actuators) = &robot.actuators else {
         let reason = "is a motor's: give both [[actuator]], or leave it out";
-        return Err(source.refuse(Key::In("homing", "current"), reason));
+        return Err(Key::In("homing", "current").refused(reason));
     };
     let peaks = Joint::ALL.map(|joint| robot.limited(joint, actuators[joint]).peak_current);
     at_most(

@@ -1,7 +1,8 @@
 //! A robot file with measured values in place of the drawing's, each with its origin.
 
 use super::Robot;
-use crate::source::{FileError, Key, Source};
+use crate::refusal::Key;
+use crate::source::{FileError, Source};
 use fivebar_kinematics::five_bar::Joint;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -55,7 +56,7 @@ pub struct Measured {
 /// # Errors
 /// The new file is not valid: the values do not make a robot.
 pub fn measured_text(file: &str, text: &str, values: &[Measured]) -> Result<String, FileError> {
-    let source = Source { file, text };
+    let source = Source::new(file, text);
     let date = today();
     // (place, removed bytes, inserted text), from the end of the file to its beginning.
     let mut changes = Vec::new();
@@ -75,7 +76,10 @@ pub fn measured_text(file: &str, text: &str, values: &[Measured]) -> Result<Stri
             // A key that the file leaves out: above a line of its table that every file has.
             let beside = match *key {
                 MeasuredKey::Actuator(joint, _) => {
-                    Key::Of("actuator", joint.index(), "encoder_counts")
+                    // Without an encoder it has a kind.
+                    let [counts, kind] = ["encoder_counts", "kind"]
+                        .map(|name| Key::Of("actuator", joint.index(), name));
+                    source.span_of(counts).map_or(kind, |_| counts)
                 }
                 MeasuredKey::Link(index, _) => Key::Of("link", index, "length"),
                 _ => Key::Top("base"),
@@ -181,6 +185,14 @@ mod tests {
         let actuators = Robot::parse("new", &new).unwrap().actuators.unwrap();
         assert!(actuators[0].encoder_error.is_zero());
         assert_eq!(actuators[1].encoder_error.terms()[0].phase, 0.5);
+        // Also to one without encoder counts.
+        let stepper = BuiltIn::find("benchtop_stepper").unwrap().text;
+        let without = stepper.replace("torque_share = 0.6\n", "");
+        let key = MeasuredKey::Actuator(Joint::Joint4, "torque_share");
+        let new = measured_text("stepper", &without, &[measured(key, "0.72")]).unwrap();
+        let actuators = Robot::parse("new", &new).unwrap().actuators.unwrap();
+        let shares = actuators.map(|one| one.stepper().unwrap().torque_share);
+        assert_eq!(shares, [0.6, 0.72]);
         // A value that makes no robot is refused.
         let wrong = [measured(MeasuredKey::Base, "-1.0")];
         assert!(measured_text("benchtop", text, &wrong).is_err());

@@ -2,6 +2,8 @@
 //! from them.
 
 mod actuator;
+mod actuator_file;
+mod actuators;
 mod belts;
 mod builtin;
 mod can_torque;
@@ -11,14 +13,18 @@ mod crossing;
 mod draft;
 mod draft_motors;
 mod drive;
+mod drive_kind;
 mod file;
 mod hobby_servo;
 mod home;
 mod home_index;
 mod home_method;
 mod homing;
+mod links;
 mod measured;
+mod newest;
 mod plausible;
+mod sections;
 mod servo;
 mod settings;
 mod slider;
@@ -26,28 +32,29 @@ mod stepper;
 mod template;
 mod tolerance;
 mod tool_output;
+mod torque_limit;
 mod value;
 mod workspace;
 
-pub use actuator::DriveKind;
+pub use actuator::{Actuator, CanTorque, Drive, HobbyServo, Stepper};
 pub use builtin::{BUILT_IN, BuiltIn};
-pub use can_torque::CanTorque;
 pub use consistency::robot_file_message;
 pub use crossing::CrossingRefusal;
 pub use draft::{Draft, DraftError};
 pub use draft_motors::{CanMotor, CanProtocol, Motor, Motors, ServoMotor, StepperMotor};
-pub use file::{Actuator, Control, Crossing, Limits, Protection, Supply, Tool, ToolLimits};
-pub use hobby_servo::HobbyServo;
+pub use drive_kind::{DriveKind, NotBrushed};
 pub use home::HomeError;
 pub use home_method::HomeMethod;
 pub use homing::HomeSearch;
 pub use measured::{Measured, MeasuredKey, measured_text, today};
+pub use sections::{Control, Crossing, Limits, Protection, Supply, Tool, ToolLimits};
 pub use slider::{Mechanism, SliderRobot};
-pub use stepper::{NotBrushed, Stepper};
+pub use torque_limit::TorqueLimit;
 pub use workspace::WorkspaceError;
 
 use crate::did_you_mean;
-use crate::source::{FileError, Key, Source};
+use crate::refusal::Key;
+use crate::source::{FileError, Source};
 use crate::text_file;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm};
 use fivebar_design::servo::BeltTuning;
@@ -143,13 +150,14 @@ impl Robot {
     /// # Errors
     /// An unknown or missing key, or a value that is not valid, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
-        let source = Source { file, text };
-        if slider::is_slider(source) {
+        let source = Source::new(file, text);
+        if slider::is_slider(&source) {
             let reason = "is \"slider\", but a five-bar is needed; only `fivebar query` and \
                           `fivebar accuracy` take sliders";
             return Err(source.refuse(Key::Top("mechanism"), reason));
         }
-        check::robot(source)
+        let file = source.parse()?;
+        check::robot(&source, file).map_err(|refusal| source.error(refusal))
     }
 
     /// The arm's equations of motion, with the rotors.

@@ -2,9 +2,10 @@
 //! `[control]` leaves them out.
 
 use super::belts::{INERTIA_RANGE, PAYLOAD_RANGE, links_only};
-use super::file::{Control, ControlFile};
+use super::newest::Newest;
+use super::sections::{Control, ControlFile};
 use super::{MissingMasses, Robot};
-use fivebar_design::servo::{CURRENTS, Gains, Servo, ServoDrive, tune};
+use fivebar_design::servo::{CURRENTS, Gains, Servo, ServoDrive, Tuning, tune};
 use fivebar_kinematics::five_bar::Pose;
 use fivebar_plant::EncoderSide;
 use nalgebra::Matrix2;
@@ -48,8 +49,12 @@ impl ControlFile {
     }
 
     /// Gives drives that act with this lag [s], from the moment that their angles are sensed, the bandwidths that the file
-    /// leaves out. To the loop an arm is a double integrator with this lag, whatever its masses.
+    /// leaves out. To the loop an arm is a double integrator with this lag, whatever its masses. A lag that is not positive
+    /// and finite follows from a number that is refused: it gives none, so that only that number is refused.
     pub(super) fn complete_by_lag(&mut self, lag: f64, tick_rate: f64) {
+        if !lag.is_finite() || lag <= 0.0 {
+            return;
+        }
         let current = 0.35 * tick_rate;
         let most = (PER_LAG / lag).min(0.25 * current).floor();
         let bandwidth = *self.bandwidth.get_or_insert(most);
@@ -79,8 +84,7 @@ impl ControlFile {
             Some(_) => &CURRENTS[..1],
             None => &CURRENTS[..],
         };
-        let found = extreme_poses(robot).and_then(|poses| tune(&poses, currents));
-        let Some(found) = found else {
+        let Some(found) = Extremes::of(robot).and_then(|arm| arm.tuned(currents)) else {
             return self.given();
         };
         self.over(Control {
@@ -96,41 +100,72 @@ impl ControlFile {
     }
 }
 
-/// The loop at the poses with the least and the greatest inertias and coupling.
-fn extreme_poses(robot: &Robot) -> Option<Vec<Servo>> {
-    let drives = robot.servo_drives().ok()?;
-    let masses: Vec<Matrix2<f64>> = robot
-        .masses()
-        .ok()?
-        .into_iter()
-        .map(|(_, mass)| mass)
-        .collect();
-    let features: [fn(&Matrix2<f64>) -> f64; 3] = [
-        |mass| mass[(0, 0)],
-        |mass| mass[(1, 1)],
-        |mass| mass.determinant(),
-    ];
-    let by = |feature: fn(&Matrix2<f64>) -> f64| {
-        move |a: &&Matrix2<f64>, b: &&Matrix2<f64>| feature(a).total_cmp(&feature(b))
-    };
-    let mut extremes: Vec<Matrix2<f64>> = Vec::new();
-    for feature in features {
-        let ends = [
-            masses.iter().min_by(by(feature)),
-            masses.iter().max_by(by(feature)),
+/// The poses with the least and the greatest inertias and coupling, for which gains are searched.
+#[derive(PartialEq)]
+struct Extremes {
+    /// The mass matrices there [kg·m²].
+    masses: Vec<Matrix2<f64>>,
+    drives: [ServoDrive; 2],
+    /// One tick [s].
+    period: f64,
+}
+
+impl Extremes {
+    fn of(robot: &Robot) -> Option<Self> {
+        let drives = robot.servo_drives().ok()?;
+        let masses: Vec<Matrix2<f64>> = robot
+            .masses()
+            .ok()?
+            .into_iter()
+            .map(|(_, mass)| mass)
+            .collect();
+        let features: [fn(&Matrix2<f64>) -> f64; 3] = [
+            |mass| mass[(0, 0)],
+            |mass| mass[(1, 1)],
+            |mass| mass.determinant(),
         ];
-        for end in ends.into_iter().flatten() {
-            if !extremes.contains(end) {
-                extremes.push(*end);
+        let by = |feature: fn(&Matrix2<f64>) -> f64| {
+            move |a: &&Matrix2<f64>, b: &&Matrix2<f64>| feature(a).total_cmp(&feature(b))
+        };
+        let mut extremes: Vec<Matrix2<f64>> = Vec::new();
+        for feature in features {
+            let ends = [
+                masses.iter().min_by(by(feature)),
+                masses.iter().max_by(by(feature)),
+            ];
+            for end in ends.into_iter().flatten() {
+                if !extremes.contains(end) {
+                    extremes.push(*end);
+                }
             }
         }
+        Some(Self {
+            masses: extremes,
+            drives,
+            period: 1.0 / robot.control.tick_rate,
+        })
     }
-    let period = 1.0 / robot.control.tick_rate;
-    let servo = |mass| Servo::new(mass, drives, period);
-    Some(extremes.into_iter().map(servo).collect())
+
+    fn tuned(self, currents: &'static [f64]) -> Option<Tuning> {
+        static FOUND: Newest<(Extremes, &[f64]), Option<Tuning>> = Newest::new();
+        FOUND.of((self, currents), |(arm, currents)| {
+            let servo = |&mass: &Matrix2<f64>| Servo::new(mass, arm.drives, arm.period);
+            tune(&arm.masses.iter().map(servo).collect::<Vec<_>>(), currents)
+        })
+    }
 }
 
 impl Robot {
+    /// Takes the loops of its file, or such as suit its arm.
+    pub(super) fn close_loops(&mut self, control: &ControlFile) {
+        self.rigid_control = control.completed(self);
+        self.belts = control.belts(self);
+        self.control = match self.belts {
+            Some(_) => control.completed(self),
+            None => self.rigid_control,
+        };
+    }
+
     /// The gains of the loops.
     pub fn gains(&self) -> Gains {
         let Control {

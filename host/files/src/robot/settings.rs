@@ -1,12 +1,14 @@
 //! The controller's settings for a robot.
 
 use super::belts::belt_settings;
+use super::sections::default_of;
+use super::value::single;
 use super::{Actuator, Control, HomeMethod, MissingMasses, Robot, home_method};
 use fivebar_design::servo::BeltTuning;
 use fivebar_firmware::Settings;
 use fivebar_firmware::settings::{
-    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, EncoderTable, HomingSettings,
-    LinkSettings, MotionSettings, ProtectionSettings,
+    AdvancedSettings, AxisSettings, BrakeSettings, ControlSettings, EncoderTable, Field,
+    HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
 };
 use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Joint, Side};
@@ -75,7 +77,7 @@ impl Robot {
             },
             homing: HomingSettings {
                 speed: single(self.homing_speed()),
-                back_off: single(self.homing.back_off),
+                back_off: single(self.back_off()),
                 current: single(self.homing_current(arm, &actuators)),
             },
             home_reference: home_method::reference(&self.homing, control.tick_rate),
@@ -174,7 +176,7 @@ impl Robot {
     fn reference_angle(&self, joint: Joint) -> f64 {
         let towards = if self.homes_forward(joint) { 1.0 } else { -1.0 };
         match self.homing.method {
-            HomeMethod::HardStop => self.home[joint] + towards * self.homing.back_off,
+            HomeMethod::HardStop => self.home[joint] + towards * self.back_off(),
             HomeMethod::Switch | HomeMethod::Index | HomeMethod::Absolute | HomeMethod::Given => {
                 self.home[joint]
             }
@@ -185,6 +187,12 @@ impl Robot {
     pub(super) fn homing_speed(&self) -> f64 {
         let slow = 0.02 * least(self.limits.max_speed);
         self.homing.speed.unwrap_or(slow)
+    }
+
+    /// Angle by which a joint backs off from its closed switch [rad].
+    pub(super) fn back_off(&self) -> f64 {
+        let usual = default_of(&Field::HomingBackOff.row());
+        self.homing.back_off.unwrap_or(usual)
     }
 
     /// Greatest current while homing [A], if the file has none: the current that holds the arm's weight at home, and
@@ -330,9 +338,7 @@ fn ideal_torque_source(torque: f64, max_speed: f64, voltage: f64) -> Actuator {
         encoder_side: EncoderSide::Motor,
         encoder_latency: 0.0,
         encoder_error: Harmonics::NONE,
-        stepper: None,
-        can: None,
-        hobby_servo: None,
+        drive: super::Drive::Brushed,
     }
 }
 
@@ -342,8 +348,4 @@ fn largest([a, b]: [f64; 2]) -> f64 {
 
 fn least([a, b]: [f64; 2]) -> f64 {
     a.min(b)
-}
-
-pub(super) fn single(value: f64) -> f32 {
-    value as f32
 }

@@ -1,10 +1,11 @@
 //! Robot files with `mechanism = "slider"`: the slider-driven mechanism, which is related to
 //! the five-bar.
 
-use super::file::ToleranceFile;
+use super::sections::ToleranceFile;
 use super::tolerance::each;
 use super::{BuiltIn, Robot, plausible, read};
-use crate::source::{FileError, Key, Source};
+use crate::refusal::{Key, Refusal};
+use crate::source::{FileError, Source};
 use fivebar_design::accuracy::slider::{SliderTolerance, TolerancedSlider};
 use fivebar_design::linkage::dyad::SlideBranch;
 use fivebar_design::slider::{Geometry, GeometryError, Limb, Travel, WorkingMode};
@@ -72,7 +73,7 @@ struct Tag {
 }
 
 /// Whether the file is of a slider-driven mechanism.
-pub(super) fn is_slider(source: Source<'_>) -> bool {
+pub(super) fn is_slider(source: &Source<'_>) -> bool {
     source
         .parse()
         .is_ok_and(|tag: Tag| tag.mechanism.as_deref() == Some("slider"))
@@ -90,11 +91,8 @@ impl Mechanism {
             return built_in.robot().map(five_bar);
         }
         let text = read(name_or_path)?;
-        let source = Source {
-            file: name_or_path,
-            text: &text,
-        };
-        if is_slider(source) {
+        let source = Source::new(name_or_path, &text);
+        if is_slider(&source) {
             SliderRobot::parse(name_or_path, &text).map(Self::Slider)
         } else {
             Robot::parse(name_or_path, &text).map(five_bar)
@@ -118,10 +116,15 @@ impl SliderRobot {
     /// # Errors
     /// An unknown or missing key, or a value that is not valid, with its line.
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
-        let source = Source { file, text };
-        let file: SliderFile = source.parse()?;
+        let source = Source::new(file, text);
+        let file = source.parse()?;
+        Self::made(file, &source).map_err(|refusal| source.error(refusal))
+    }
+
+    /// The mechanism of a file with these values.
+    fn made(file: SliderFile, source: &Source<'_>) -> Result<Self, Refusal> {
         if file.name.trim().is_empty() {
-            return Err(source.refuse(Key::Top("name"), "must not be empty"));
+            return Err(Key::Top("name").refused("must not be empty"));
         }
         let geometry = Geometry::new(file.left_link, file.right_link, file.platform);
         let geometry = geometry.map_err(|error| {
@@ -131,7 +134,7 @@ impl SliderRobot {
                 // The platform, and any length that is added later.
                 _ => "platform",
             };
-            source.refuse(Key::Top(key), format!("cannot make a mechanism: {error}"))
+            Key::Top(key).refused(format!("cannot make a mechanism: {error}"))
         })?;
         let travel = file.travel.map(|travel| Travel {
             left: travel.left,
@@ -146,20 +149,20 @@ impl SliderRobot {
             };
             if range.is_some_and(|range| !ordered(range)) {
                 let reason = "must be two finite numbers of metres, the smaller first";
-                return Err(source.refuse(Key::In("travel", key), reason));
+                return Err(Key::In("travel", key).refused(reason));
             }
         }
         let given = &file.tolerance;
         let inputs = "x2 and x8";
         let pins = "each limb's slider and platform, left limb first";
         let tolerance = SliderTolerance {
-            length_sd: each(&source, "length_sd", &given.length_sd, "l3, l7 and l5")?,
-            input_sd: each(&source, "input_sd", &given.input_sd, inputs)?,
-            input_max: each(&source, "input_max", &given.input_max, inputs)?,
-            clearance_radius: each(&source, "clearance_radius", &given.clearance_radius, pins)?,
+            length_sd: each("length_sd", &given.length_sd, "l3, l7 and l5")?,
+            input_sd: each("input_sd", &given.input_sd, inputs)?,
+            input_max: each("input_max", &given.input_max, inputs)?,
+            clearance_radius: each("clearance_radius", &given.clearance_radius, pins)?,
         };
         let lengths = [file.left_link, file.right_link, file.platform];
-        plausible::slider(&source, lengths, travel.as_ref(), &tolerance)?;
+        plausible::check_slider(source, lengths, travel.as_ref(), &tolerance)?;
         let [left, right] = file.working_mode;
         Ok(Self {
             name: file.name,

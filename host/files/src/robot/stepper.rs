@@ -4,23 +4,15 @@
 //! it. A time-optimal plan takes that share at each speed, by a straight line below the curve; motions at feed rates take
 //! the share at the joint's greatest speed, which is the least.
 
-use super::settings::single;
-use super::{Actuator, DriveKind, Robot};
-use crate::source::{FileError, Key, Refusals, Source};
+use super::Robot;
+use super::actuator::{Actuator, Drive, Stepper};
+use super::value::single;
+use crate::refusal::{Key, Refusal, Refusals};
 use fivebar_design::time_optimal::FallingTorque;
 use fivebar_firmware::settings::BeltSettings;
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::Stepper as Motor;
+use fivebar_plant::{DriverMode, Stepper as Motor};
 use std::f64::consts::TAU;
-
-/// A stepper, and how much of it a motion may take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stepper {
-    /// The motor with its gear and the driver's micro-steps.
-    pub motor: Motor,
-    /// Share of the pull-out torque that a motion may take.
-    pub torque_share: f64,
-}
 
 /// The fewest and most full steps per turn.
 const STEPS_PER_TURN: [u32; 2] = [20, 1000];
@@ -42,25 +34,11 @@ impl Stepper {
     pub(super) const HEATING: f64 = 600.0;
 }
 
-/// The robot has other drives, where brushed motors are needed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "robot `{robot}` has {drives}, but loops, logs, pages and commissioning are of brushed motors. {instead}"
-)]
-pub struct NotBrushed {
-    /// The robot's name.
-    pub robot: String,
-    /// Its drives.
-    drives: &'static str,
-    /// What applies to them in place of what was asked for.
-    instead: &'static str,
-}
-
 impl Robot {
     /// Its steppers, for the simulated arm.
     pub fn steppers(&self) -> Option<[Motor; 2]> {
         let [first, second] = self.actuators.as_ref()?;
-        Some([first.stepper?.motor, second.stepper?.motor])
+        Some([first.stepper()?.motor, second.stepper()?.motor])
     }
 
     /// The controller's settings of the fields of steppers; none of other motors.
@@ -102,7 +80,7 @@ impl Robot {
             let Stepper {
                 motor,
                 torque_share,
-            } = actuators[joint].stepper?;
+            } = actuators[joint].stepper()?;
             let ratio = motor.gear_ratio.abs();
             let fastest = self.limits.max_speed[joint] * ratio;
             let [standing, slope] = motor.pull_out_line(fastest, self.supply.voltage);
@@ -122,18 +100,15 @@ impl Robot {
         };
         let shares = Joint::ALL.map(|joint| {
             let Actuator {
-                gear_ratio,
-                stepper,
-                hobby_servo,
-                ..
+                gear_ratio, drive, ..
             } = &actuators[joint];
             let speed = self.limits.max_speed[joint] * gear_ratio.abs();
-            match (stepper, hobby_servo) {
-                (Some(Stepper { motor, .. }), _) => {
+            match drive {
+                Drive::Stepper(Stepper { motor, .. }) => {
                     motor.pull_out_torque(speed, self.supply.voltage) / motor.holding_torque
                 }
-                (_, Some(servo)) => servo.torque_at_speed(speed),
-                (None, None) => 1.0,
+                Drive::HobbyServo(servo) => servo.torque_at_speed(speed),
+                _ => 1.0,
             }
         });
         shares[0].min(shares[1])
@@ -153,50 +128,20 @@ impl Robot {
         motors.is_some_and(|motors| motors.iter().all(|motor| motor.encoder))
     }
 
-    /// What turns its joints; brushed motors stand for ideal torque sources.
-    pub fn drive_kind(&self) -> DriveKind {
-        self.actuators
-            .map_or(DriveKind::Brushed, |[first, _]| first.kind())
+    /// What is to be known before a run whose steppers have drivers that give a voltage; none of other arms.
+    pub fn voltage_driver_warning(&self) -> Option<&'static str> {
+        let motors = self.steppers()?;
+        let gives_voltage = |motor: &Motor| motor.driver == DriverMode::Voltage;
+        motors.iter().any(gives_voltage).then_some(
+            "`driver = \"voltage\"`: on such drivers steppers are late, and from about 20 to 120 rad/s of the motor they may \
+             lose steps by themselves; a TMC2209 gives a current once its pin SPREAD is tied to VIO",
+        )
     }
 
     /// Whether its joints are turned by steppers.
     pub fn has_steppers(&self) -> bool {
         self.actuators
-            .is_some_and(|actuators| actuators.iter().all(|it| it.stepper.is_some()))
-    }
-
-    /// The robot, for what needs brushed motors.
-    ///
-    /// # Errors
-    /// Its motors are steppers or hobby servos, or its drives are on a bus.
-    pub fn brushed(&self) -> Result<&Self, NotBrushed> {
-        let (drives, instead) = if self.has_steppers() {
-            (
-                "steppers",
-                "`fivebar sim` and `pil` run jobs on them, and `drive` with the image `stm32f405_stepper` \
-                 (docs/use/wiring.md). `torque_share` is their margin, and `sim` shows the `lost_steps`",
-            )
-        } else if self.hobby_servos().is_some() {
-            (
-                "hobby servos",
-                "`fivebar sim` runs jobs on them; no image drives them yet. A servo has a loop of its own and tells \
-                 nothing: `sim` shows how far its arm is from its set-points",
-            )
-        } else if self.can_drives().is_some() {
-            (
-                "drives on a CAN bus",
-                "`fivebar sim` and `pil` run jobs on them, and `drive` with the image `stm32f405_can` \
-                 (docs/use/wiring.md). Tune and check their own loops by their maker's program",
-            )
-        } else {
-            return Ok(self);
-        };
-        let robot = self.name.clone();
-        Err(NotBrushed {
-            robot,
-            drives,
-            instead,
-        })
+            .is_some_and(|actuators| actuators.iter().all(|it| it.stepper().is_some()))
     }
 }
 
@@ -204,20 +149,17 @@ impl Actuator {
     /// The share of the holding torque of a stepper, or of the stall torque of a hobby servo, that motions may take near
     /// rest; 1 of other motors.
     pub(super) fn torque_share(&self) -> f64 {
-        let of_servo = self.hobby_servo.map_or(1.0, |servo| servo.torque_share);
-        self.stepper
-            .map_or(of_servo, |stepper| stepper.torque_share)
+        match &self.drive {
+            Drive::Stepper(stepper) => stepper.torque_share,
+            Drive::HobbyServo(servo) => servo.torque_share,
+            _ => 1.0,
+        }
     }
 }
 
 /// Checks each stepper by itself.
-pub(super) fn check(
-    source: &Source<'_>,
-    index: usize,
-    actuator: &Actuator,
-    refusals: &mut Refusals,
-) {
-    let Some(stepper) = &actuator.stepper else {
+pub(super) fn check_stepper(index: usize, actuator: &Actuator, refusals: &mut Refusals) {
+    let Some(stepper) = actuator.stepper() else {
         return;
     };
     let motor = &stepper.motor;
@@ -230,14 +172,14 @@ pub(super) fn check(
             "must be a multiple of 4 from {least} to {greatest}, not {}: 200 of 1.8°, 400 of 0.9°",
             motor.steps_per_turn
         );
-        refusals.add(source.refuse(key("steps_per_turn"), reason));
+        refusals.add(key("steps_per_turn"), reason);
     }
     if !(1..=MICROSTEPS).contains(&motor.microsteps) {
         let reason = format!(
             "must be 1 to {MICROSTEPS} per full step, not {}",
             motor.microsteps
         );
-        refusals.add(source.refuse(key("microsteps"), reason));
+        refusals.add(key("microsteps"), reason);
     }
     let fewest = COUNTS_PER_STEP.saturating_mul(motor.steps_per_turn);
     if motor.encoder && actuator.encoder_counts < fewest {
@@ -246,14 +188,14 @@ pub(super) fn check(
              leave it out if the stepper has no encoder",
             actuator.encoder_counts
         );
-        refusals.add(source.refuse(key("encoder_counts"), reason));
+        refusals.add(key("encoder_counts"), reason);
     }
     for (name, value) in [
         ("holding_torque", motor.holding_torque),
         ("rated_current", motor.rated_current),
         ("rotor_inertia", actuator.rotor_inertia),
     ] {
-        refusals.check(super::value::positive(source, key(name), value));
+        refusals.note(super::value::positive(key(name), value));
     }
     let detent = motor.detent_torque;
     let [least, greatest] = DETENT.map(|share| share * motor.holding_torque);
@@ -261,7 +203,7 @@ pub(super) fn check(
         let reason = format!(
             "must be 0, or 1/500 to 1/2 of `holding_torque`, in N·m at the motor, not {detent:?} N·m"
         );
-        refusals.add(source.refuse(key("detent_torque"), reason));
+        refusals.add(key("detent_torque"), reason);
     }
     // Above 1 the motor is overloaded on purpose: to see the simulated arm lose steps.
     if !(0.05..=2.0).contains(&stepper.torque_share) {
@@ -269,12 +211,12 @@ pub(super) fn check(
             "must be 0.05 to 2 of the pull-out torque, not {:?}; 0.6 leaves room for what is not known",
             stepper.torque_share
         );
-        refusals.add(source.refuse(key("torque_share"), reason));
+        refusals.add(key("torque_share"), reason);
     }
 }
 
 /// Checks the steppers of a robot with its supply, its speeds and its weight.
-pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
+pub(super) fn steppers_fit(robot: &Robot, greatest_weights: [f64; 2], refusals: &mut Refusals) {
     let Some(actuators) = &robot.actuators else {
         return;
     };
@@ -285,7 +227,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
         .and_then(|(home, arm)| arm.gravity_torque(&home).ok());
     for joint in Joint::ALL {
         let actuator = &actuators[joint];
-        let Some(stepper) = &actuator.stepper else {
+        let Some(stepper) = actuator.stepper() else {
             return;
         };
         let motor = &stepper.motor;
@@ -299,14 +241,14 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                  `microsteps` of [[actuator]], to {:.3} rad/s",
                 max_speed * STEP_RATE / rate
             );
-            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+            refusals.add(Key::In("limits", "max_speed"), reason);
         }
         if actuator.resistance * motor.rated_current > voltage {
             let reason = format!(
                 "needs {:.1} V over `resistance`, and [supply] has {voltage:?} V",
                 actuator.resistance * motor.rated_current
             );
-            refusals.add(source.refuse(key("rated_current"), reason));
+            refusals.add(key("rated_current"), reason);
         }
         let at_speed = motor.pull_out_torque(max_speed * actuator.gear_ratio, voltage);
         if at_speed < LEAST_SHARE * motor.holding_torque {
@@ -317,7 +259,7 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                 at_speed,
                 motor.holding_torque
             );
-            refusals.add(source.refuse(Key::In("limits", "max_speed"), reason));
+            refusals.add(Key::In("limits", "max_speed"), reason);
             continue;
         }
         let most = stepper.torque_share * at_speed * actuator.gear_ratio.abs();
@@ -328,30 +270,25 @@ pub(super) fn consistent(source: &Source<'_>, robot: &Robot, refusals: &mut Refu
                  are {:?} of the pull-out torque at `max_speed`",
                 stepper.torque_share
             );
-            refusals.add(source.refuse(key("holding_torque"), reason));
+            refusals.add(key("holding_torque"), reason);
         }
-        refusals.check(has_room_to_swing(source, robot, joint, actuator));
-        let friction = actuator.coulomb_friction
-            + motor.detent_torque * actuator.gear_ratio.abs()
-            + actuator.brake_torque;
+        refusals.note(has_room_to_swing(robot, joint, actuator));
+        let friction = actuator.coulomb_friction + motor.detent_torque * actuator.gear_ratio.abs();
+        let weight = greatest_weights[joint.index()];
         if weight > friction && !motor.encoder {
             let reason = format!(
-                "must hold the arm while its motors are off, {weight:.3} N·m at home: without an encoder its place is \
-                 lost when it falls"
+                "must be given, because the arm hangs: in some pose its weight needs {weight:.3} N·m at {joint}, and without \
+                 power friction and `detent_torque` hold {friction:.3} N·m. Without encoders nothing shows whether the brakes \
+                 hold it. Give the steppers encoders, or let the arm lie flat, with `gravity` perpendicular to its plane"
             );
-            refusals.add(source.refuse(key("brake_torque"), reason));
+            refusals.add(key("encoder_counts"), reason);
         }
     }
 }
 
 /// Checks that a rotor with an encoder may swing when its current comes, without a following error.
-fn has_room_to_swing(
-    source: &Source<'_>,
-    robot: &Robot,
-    joint: Joint,
-    actuator: &Actuator,
-) -> Result<(), FileError> {
-    let Some(Stepper { motor, .. }) = &actuator.stepper else {
+fn has_room_to_swing(robot: &Robot, joint: Joint, actuator: &Actuator) -> Result<(), Refusal> {
+    let Some(Stepper { motor, .. }) = actuator.stepper() else {
         return Ok(());
     };
     let steps = f64::from(motor.steps_per_turn) * actuator.gear_ratio.abs();
@@ -362,7 +299,7 @@ fn has_room_to_swing(
     let reason = format!(
         "must be {swing:.3} rad at least, {LEAST_ERROR} full steps of {joint}: a rotor swings by four when its current comes"
     );
-    Err(source.refuse(Key::In("protection", "following_error"), reason))
+    Err(Key::In("protection", "following_error").refused(reason))
 }
 
 /// The least following error of a motor with an encoder [full steps].

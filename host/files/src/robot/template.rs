@@ -1,7 +1,7 @@
 //! The template of a robot file. It explains every key with the words of docs/use/robot-file.md,
 //! which shows the same text.
 
-use crate::source::Key;
+use crate::refusal::Key;
 
 const TEMPLATE: &str = include_str!("template.toml");
 
@@ -87,7 +87,7 @@ fn with_value(line: &str, name: &str, value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::filled;
-    use crate::source::Key;
+    use crate::refusal::Key;
 
     #[test]
     fn given_keys_are_filled_in_and_the_others_are_comments() {

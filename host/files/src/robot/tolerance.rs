@@ -1,31 +1,25 @@
 //! `[tolerance]`: reads one number for all, or one for each.
 
-use super::file::{OneOrEach, ToleranceFile};
+use super::sections::{OneOrEach, ToleranceFile};
 use super::value::not_negative;
-use crate::source::{FileError, Key, Source};
+use crate::refusal::{Key, Refusal};
 use fivebar_design::accuracy::five_bar::ArmTolerance;
 
-pub(super) fn read(source: &Source<'_>, file: &ToleranceFile) -> Result<ArmTolerance, FileError> {
+pub(super) fn read_tolerance(file: &ToleranceFile) -> Result<ArmTolerance, Refusal> {
     Ok(ArmTolerance {
-        length_sd: each(
-            source,
-            "length_sd",
-            &file.length_sd,
-            "l1 to l4 and the base",
-        )?,
-        input_sd: each(source, "input_sd", &file.input_sd, "θ1 and θ4")?,
-        input_max: each(source, "input_max", &file.input_max, "θ1 and θ4")?,
-        clearance_radius: each(source, "clearance_radius", &file.clearance_radius, "A to E")?,
+        length_sd: each("length_sd", &file.length_sd, "l1 to l4 and the base")?,
+        input_sd: each("input_sd", &file.input_sd, "θ1 and θ4")?,
+        input_max: each("input_max", &file.input_max, "θ1 and θ4")?,
+        clearance_radius: each("clearance_radius", &file.clearance_radius, "A to E")?,
     })
 }
 
 /// One number for all of `whose`, or one for each of them.
 pub(super) fn each<const N: usize>(
-    source: &Source<'_>,
     name: &'static str,
     given: &OneOrEach,
     whose: &str,
-) -> Result<[f64; N], FileError> {
+) -> Result<[f64; N], Refusal> {
     let key = Key::In("tolerance", name);
     let values = match given {
         OneOrEach::One(value) => [*value; N],
@@ -34,11 +28,11 @@ pub(super) fn each<const N: usize>(
                 "must be one number or {N}, for {whose}, not {}",
                 values.len()
             );
-            source.refuse(key, reason)
+            key.refused(reason)
         })?,
     };
     for value in values {
-        not_negative(source, key, value)?;
+        not_negative(key, value)?;
     }
     Ok(values)
 }

@@ -2,7 +2,7 @@
 
 use super::Robot;
 use crate::job::ToolLevels;
-use crate::source::{FileError, Key, Source};
+use crate::refusal::{Key, Refusal};
 use fivebar_firmware::settings::{Field, ToolOutputSettings};
 use serde::Deserialize;
 
@@ -82,15 +82,14 @@ impl Robot {
 }
 
 /// Checks the section. Also gives S of M3 and M4 with the tool down and up, if they are stated.
-pub(super) fn read(
-    source: &Source<'_>,
+pub(super) fn read_tool_output(
     file: &ToolOutputFile,
-) -> Result<(ToolOutputSettings, Option<[f64; 2]>), FileError> {
-    Ok((output(source, file)?, speeds(source, file)?))
+) -> Result<(ToolOutputSettings, Option<[f64; 2]>), Refusal> {
+    Ok((output(file)?, speeds(file)?))
 }
 
-fn speeds(source: &Source<'_>, file: &ToolOutputFile) -> Result<Option<[f64; 2]>, FileError> {
-    let refuse = |name, reason: String| Err(source.refuse(Key::In(SECTION, name), reason));
+fn speeds(file: &ToolOutputFile) -> Result<Option<[f64; 2]>, Refusal> {
+    let refuse = |name, reason: String| Err(Key::In(SECTION, name).refused(reason));
     let both = match (file.down_s, file.up_s) {
         (None, None) => return Ok(None),
         (Some(down), Some(up)) => [("down_s", down), ("up_s", up)],
@@ -109,8 +108,8 @@ fn speeds(source: &Source<'_>, file: &ToolOutputFile) -> Result<Option<[f64; 2]>
     Ok(Some([down, up]))
 }
 
-fn output(source: &Source<'_>, file: &ToolOutputFile) -> Result<ToolOutputSettings, FileError> {
-    let refuse = |name, reason: String| Err(source.refuse(Key::In(SECTION, name), reason));
+fn output(file: &ToolOutputFile) -> Result<ToolOutputSettings, Refusal> {
+    let refuse = |name, reason: String| Err(Key::In(SECTION, name).refused(reason));
     let Some(kind) = file.kind.as_deref() else {
         return match file.given().next() {
             None => Ok(ToolOutputSettings::None),
@@ -135,7 +134,7 @@ fn output(source: &Source<'_>, file: &ToolOutputFile) -> Result<ToolOutputSettin
         let row = field.row();
         let Some(value) = value.or(row.default) else {
             let reason = format!("is missing: kind \"{kind}\" needs it");
-            return Err(source.refuse(Key::In(SECTION, name), reason));
+            return Err(Key::In(SECTION, name).refused(reason));
         };
         // As the controller compares them, in single precision.
         let [least, greatest] = row.range.map(|bound| bound as f32);
@@ -144,7 +143,7 @@ fn output(source: &Source<'_>, file: &ToolOutputFile) -> Result<ToolOutputSettin
         }
         let unit = row.unit;
         let reason = format!("must be {least:?} to {greatest:?} {unit}, not {value:?}");
-        Err(source.refuse(Key::In(SECTION, name), reason))
+        Err(Key::In(SECTION, name).refused(reason))
     };
     let settle = |name, value| number(name, value, Field::ToolSettleTime);
     Ok(match kind {
@@ -156,7 +155,7 @@ fn output(source: &Source<'_>, file: &ToolOutputFile) -> Result<ToolOutputSettin
                 if f64::from(width) > longest * (1.0 - 1e-6) {
                     let reason =
                         format!("must be at most {longest:.2e} s, 90 % of a frame, not {width:?}");
-                    return Err(source.refuse(Key::In(SECTION, name), reason));
+                    return Err(Key::In(SECTION, name).refused(reason));
                 }
                 Ok(width)
             };

@@ -1,7 +1,6 @@
 //! Checks of single values of a robot file.
 
-use crate::source::{FileError, Key, Source};
-use nalgebra::Vector2;
+use crate::refusal::{Key, Refusal};
 use std::ops::RangeInclusive;
 
 /// Greatest and least length of a link or the base [m]. Greater numbers are probably in
@@ -27,86 +26,70 @@ pub(super) const NOT_NEGATIVE: &str = "must be finite and not negative";
 const FINITE: &str = "must be finite, 1e30 at most";
 const SIZED: &str = "must be 1e-30 to 1e30 in size";
 
-pub(super) fn positive(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+pub(super) fn positive(key: Key, value: f64) -> Result<(), Refusal> {
     if value > 0.0 && value.is_finite() {
-        sized(source, key, value)
+        sized(key, value)
     } else {
-        Err(source.refuse(key, format!("{POSITIVE}, not {value:?}")))
+        Err(key.refused(format!("{POSITIVE}, not {value:?}")))
     }
 }
 
 /// A value that is not too small to be meant in this unit. Runs of smaller ones take hours.
-pub(super) fn at_least(
-    source: &Source<'_>,
-    key: Key,
-    value: f64,
-    (least, unit): (f64, &str),
-) -> Result<f64, FileError> {
-    if positive(source, key, value)? >= least {
-        Ok(value)
+pub(super) fn at_least(key: Key, value: f64, (least, unit): (f64, &str)) -> Result<(), Refusal> {
+    positive(key, value)?;
+    if value >= least {
+        Ok(())
     } else {
         let reason = format!("must be at least {least:e} {unit}, not {value:?}");
-        Err(source.refuse(key, reason))
+        Err(key.refused(reason))
     }
 }
 
-pub(super) fn not_negative(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+pub(super) fn not_negative(key: Key, value: f64) -> Result<(), Refusal> {
     if value == 0.0 {
-        Ok(value)
+        Ok(())
     } else if value > 0.0 && value.is_finite() {
-        sized(source, key, value)
+        sized(key, value)
     } else {
-        Err(source.refuse(key, format!("{NOT_NEGATIVE}, not {value:?}")))
+        Err(key.refused(format!("{NOT_NEGATIVE}, not {value:?}")))
     }
 }
 
-pub(super) fn sized(source: &Source<'_>, key: Key, value: f64) -> Result<f64, FileError> {
+pub(super) fn sized(key: Key, value: f64) -> Result<(), Refusal> {
     if SIZES.contains(&value.abs()) {
-        Ok(value)
+        Ok(())
     } else {
-        Err(source.refuse(key, format!("{SIZED}, not {value:?}")))
+        Err(key.refused(format!("{SIZED}, not {value:?}")))
     }
 }
 
-pub(super) fn finite(
-    source: &Source<'_>,
-    key: Key,
-    value: [f64; 2],
-) -> Result<Vector2<f64>, FileError> {
+pub(super) fn finite(key: Key, value: [f64; 2]) -> Result<(), Refusal> {
     let [x, y] = value;
     let greatest = *SIZES.end();
     if x.abs() <= greatest && y.abs() <= greatest {
-        Ok(Vector2::new(x, y))
+        Ok(())
     } else {
-        Err(source.refuse(key, format!("{FINITE}, not [{x:?}, {y:?}]")))
+        Err(key.refused(format!("{FINITE}, not [{x:?}, {y:?}]")))
     }
 }
 
 /// A point of a link [m]. Numbers that are probably in millimetres are refused.
-pub(super) fn near(
-    source: &Source<'_>,
-    key: Key,
-    value: [f64; 2],
-) -> Result<Vector2<f64>, FileError> {
-    let point = finite(source, key, value)?;
+pub(super) fn near(key: Key, value: [f64; 2]) -> Result<(), Refusal> {
+    finite(key, value)?;
     if value.iter().all(|metres| metres.abs() <= LONGEST) {
-        Ok(point)
+        Ok(())
     } else {
         let reason = format!("is in metres, {LONGEST:?} at most, not {value:?}");
-        Err(source.refuse(key, reason))
+        Err(key.refused(reason))
     }
 }
 
-pub(super) fn increasing(
-    source: &Source<'_>,
-    key: Key,
-    [least, greatest]: [f64; 2],
-) -> Result<(), FileError> {
+pub(super) fn increasing(key: Key, [least, greatest]: [f64; 2]) -> Result<(), Refusal> {
     if least < greatest && least.is_finite() && greatest.is_finite() {
         Ok(())
     } else {
         let reason = format!("must be [least, greatest], not [{least:?}, {greatest:?}]");
-        Err(source.refuse(key, reason))
+        Err(key.refused(reason))
     }
 }
 
@@ -118,4 +101,9 @@ pub(super) fn rounded(value: f64) -> String {
     } else {
         format!("{value:e}")
     }
+}
+
+/// In single precision, as the controller has it.
+pub(super) fn single(value: f64) -> f32 {
+    value as f32
 }

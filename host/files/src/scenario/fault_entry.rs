@@ -1,7 +1,8 @@
 //! `[[fault]]` of a scenario file: a fault to inject, and its time.
 
+use crate::refusal::Key;
 use crate::robot::Robot;
-use crate::source::{FileError, Key, Source};
+use crate::source::{FileError, Source};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{FaultKind, Parameters};
 use serde::Deserialize;
@@ -65,6 +66,7 @@ enum Kind {
     CouplingSlips,
     BeltBreaks,
     StepLost,
+    PhaseOpen,
     CanSilent,
     CanReset,
     CanBusOff,
@@ -74,14 +76,14 @@ enum Kind {
 }
 
 /// A fault's keys as they are read, each checked when its kind asks for it.
-struct Keys<'a> {
+struct Keys<'a, 's> {
     entry: &'a FaultEntry,
-    source: &'a Source<'a>,
+    source: &'a Source<'s>,
     /// The number of the fault in the file.
     index: usize,
 }
 
-impl Keys<'_> {
+impl Keys<'_, '_> {
     fn refuse(&self, name: &'static str, reason: String) -> FileError {
         self.source
             .refuse(Key::Of("fault", self.index, name), reason)
@@ -198,7 +200,7 @@ impl FaultEntry {
         clippy::too_many_lines,
         reason = "a list: one arm for each kind of fault"
     )]
-    fn kind(&self, keys: &Keys<'_>) -> Result<FaultKind, FileError> {
+    fn kind(&self, keys: &Keys<'_, '_>) -> Result<FaultKind, FileError> {
         Ok(match self.kind {
             Kind::EncoderDead => FaultKind::EncoderDead {
                 joint: keys.joint()?,
@@ -310,6 +312,9 @@ impl FaultEntry {
                 joint: keys.joint()?,
                 steps: keys.steps()?,
             },
+            Kind::PhaseOpen => FaultKind::PhaseOpen {
+                joint: keys.joint()?,
+            },
             Kind::CanSilent => FaultKind::CanSilent {
                 joint: keys.joint()?,
             },
@@ -344,7 +349,7 @@ impl FaultEntry {
         let kind = self.fault(source, index)?.1;
         let (has_steppers, is_on_bus) = (robot.has_steppers(), robot.can_drives().is_some());
         match kind {
-            FaultKind::StepLost { .. } if !has_steppers => {
+            FaultKind::StepLost { .. } | FaultKind::PhaseOpen { .. } if !has_steppers => {
                 refused("kind", "needs an arm with steppers")
             }
             _ if kind.is_of_bus() && !is_on_bus => {

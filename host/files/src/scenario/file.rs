@@ -1,10 +1,11 @@
 //! The scenario file: its keys and its reading.
 
 use super::fault_entry::FaultEntry;
-use super::{ControlLaw, Scenario, ScenarioError};
-use crate::job::{self, JobOptions};
+use super::{ControlLaw, Scenario, ScenarioError, wiring};
+use crate::job::{self, JobOptions, JobReader};
+use crate::refusal::Key;
 use crate::robot::{BuiltIn, Robot};
-use crate::source::{FileError, Key, Source};
+use crate::source::{FileError, Source};
 use crate::text_file;
 use fivebar_plant::{Mismatch, PlantFault, Wiring};
 use serde::Deserialize;
@@ -79,9 +80,6 @@ fn check_kind(source: &Source<'_>, file: &ScenarioFile, robot: &Robot) -> Result
     if let Some(name) = name {
         return Err(source.refuse(Key::In("mismatch", name), reason));
     }
-    if file.wiring != Wiring::default() {
-        return Err(source.refuse(Key::Top("wiring"), reason));
-    }
     Ok(())
 }
 
@@ -92,10 +90,7 @@ impl Scenario {
     /// A file that cannot be read, or a key or a value that is not valid.
     pub fn load(path: &str) -> Result<Self, ScenarioError> {
         let text = read(path)?;
-        let source = Source {
-            file: path,
-            text: &text,
-        };
+        let source = Source::new(path, &text);
         let file: ScenarioFile = source.parse().map_err(|error| {
             if Robot::parse(path, &text).is_err() {
                 return error;
@@ -134,6 +129,7 @@ impl Scenario {
             let fits = file.mismatch.check_for(&parameters);
             fits.map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))?;
             check_kind(&source, &file, &robot)?;
+            wiring::check_for(&file.wiring, &robot, &source)?;
             for (index, entry) in file.fault.iter().enumerate() {
                 entry.check_for(&parameters, &robot, &source, index)?;
             }
@@ -141,6 +137,7 @@ impl Scenario {
         let job_file = beside(path, &file.job);
         let job_text = read_job(&job_file)?;
         Ok(Self {
+            reader: JobReader::default(),
             name: file.name.unwrap_or_else(|| stem(path)),
             robot,
             arm,
@@ -160,6 +157,7 @@ impl Scenario {
             faults,
             control_law: ControlLaw::from_key(file.computed_torque),
             time_optimal: None,
+            tolerance: None,
         })
     }
 
@@ -188,11 +186,9 @@ fn check(source: &Source<'_>, file: &ScenarioFile) -> Result<(), FileError> {
         let reason = format!("must be finite, not [{x:?}, {y:?}]");
         return Err(source.refuse(Key::Top("origin"), reason));
     }
-    let [counts1, counts4] = file.wiring.counts;
-    if !(counts1 > -1.0 && counts4 > -1.0 && (counts1 + counts4).is_finite()) {
-        let reason = "must be above -1, and finite";
-        return Err(source.refuse(Key::In("wiring", "counts"), reason));
-    }
+    file.wiring
+        .check()
+        .map_err(|(name, reason)| source.refuse(Key::In("wiring", name), reason))?;
     file.mismatch
         .check()
         .map_err(|invalid| source.refuse(Key::In("mismatch", invalid.name), invalid))

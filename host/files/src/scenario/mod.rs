@@ -6,9 +6,10 @@ mod fault_entry;
 mod file;
 mod mode_change;
 mod placement;
+mod wiring;
 
 use crate::job::{
-    Action, DEMONSTRATION, Job, JobError, JobOptions, Placement, Warning, WarningKind,
+    Action, DEMONSTRATION, Job, JobError, JobOptions, JobReader, Placement, Warning, WarningKind,
 };
 use crate::robot::{HomeError, Robot};
 use crate::source::FileError;
@@ -48,6 +49,8 @@ pub struct Scenario {
     pub from_line: Option<u32>,
     /// How the job is read where its text leaves it open.
     pub options: JobOptions,
+    /// What reads the job.
+    pub reader: JobReader,
     /// Seed of all pseudo-random numbers of the run.
     pub seed: u64,
     /// How the arm differs from the controller's model.
@@ -66,6 +69,8 @@ pub struct Scenario {
     /// Plan the job time-optimally with this share of the torque limits, 0 to 1; none: the
     /// controller plans it.
     pub time_optimal: Option<f64>,
+    /// Greatest tip error of a job that counts as drawn [m]; none: what the drives allow.
+    pub tolerance: Option<f64>,
 }
 
 /// Why a scenario cannot be run.
@@ -135,6 +140,7 @@ impl Scenario {
             anywhere: false,
             from_line: None,
             options: JobOptions::default(),
+            reader: JobReader::default(),
             seed: 1,
             mismatch: Mismatch::default(),
             wiring: Wiring::default(),
@@ -143,6 +149,7 @@ impl Scenario {
             faults: Vec::new(),
             control_law: ControlLaw::ComputedTorque,
             time_optimal: None,
+            tolerance: None,
         }
     }
 
@@ -161,10 +168,11 @@ impl Scenario {
         let options = JobOptions {
             tolerance: 0.5 * self.robot.motion.corner_tolerance / self.scale,
             levels: self.robot.tool_levels(),
+            speed_without_feed: Some(self.robot.motion.max_speed),
             hatch: self.options.hatch.map(|distance| distance / self.scale),
             ..self.options
         };
-        let job = Job::parse_with(&self.job_text, placement, &options);
+        let job = (self.reader.0)(&self.job_text, placement, &options);
         let mut job = job.map_err(|error| ScenarioError::Job {
             file: self.job_file.clone(),
             error,

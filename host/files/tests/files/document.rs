@@ -86,7 +86,7 @@ fn the_scenario_of_the_document_is_read_with_its_defaults() {
 
 /// The lines between which the table of the settings stands.
 const TABLE: [&str; 2] = [
-    "| key | unit | what it must be | default | meaning |\n|---|---|---|---|---|\n",
+    "|key|unit|what it must be|default|meaning|\n|---|---|---|---|---|\n",
     "\nWhere two keys",
 ];
 
@@ -109,7 +109,15 @@ fn table() -> String {
             }
         });
         let meaning = meaning.replace('|', "\\|");
-        format!("| `{key}` | {unit} | {must} | {default} | {meaning} |\n")
+        // The heading says that a value must be so, and the unit has a column of its own.
+        let must = must.to_string();
+        let must = ["must lie in ", "must be "]
+            .into_iter()
+            .find_map(|start| must.strip_prefix(start))
+            .unwrap_or(&must);
+        let with_unit = format!(" {unit}");
+        let must = must.strip_suffix(&with_unit).unwrap_or(must);
+        format!("|`{key}`|{unit}|{must}|{default}|{meaning}|\n")
     };
     rows().filter(|row| !row.key.is_empty()).map(line).collect()
 }

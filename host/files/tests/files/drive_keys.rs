@@ -216,8 +216,8 @@ fn what_hobby_servos_do_not_have_is_refused_with_its_line() {
         ),
         ("supply_resistance = 0.1", "and this arm has hobby servos"),
         (
-            "[wiring]\nmotors_swapped = true",
-            "and this arm has hobby servos",
+            "[wiring]\nencoders_swapped = true",
+            "is a mistake with brushed motors or steppers with encoders, and this arm has hobby servos: leave it out",
         ),
         (
             "link_mass = 0.1\n[[fault]]\nat = 0.5\nkind = 'encoder_dead'\njoint = 1",
@@ -234,4 +234,47 @@ fn what_hobby_servos_do_not_have_is_refused_with_its_line() {
     }
     let keys = "home_error = [0.02, -0.02]\n[[fault]]\nat = 0.5\nkind = 'motor_stalled'\njoint = 4";
     scenario_on("classroom_servo", keys).unwrap();
+}
+
+#[test]
+fn a_number_of_the_wiring_that_nothing_can_have_is_refused_with_its_line_and_bounds() {
+    for (robot, key, bounds) in [
+        ("benchtop", "counts = [0.0, -1.0]", "must be above -1"),
+        (
+            "benchtop_stepper",
+            "microsteps = [0.0, 1.0]",
+            "is 0.00390625 to 256.0, not 0.0",
+        ),
+        (
+            "benchtop_stepper",
+            "current_share = [1.0, 2.5]",
+            "is 0.0 to 2.0, not 2.5",
+        ),
+        (
+            "classroom_servo",
+            "supply_share = nan",
+            "is 0.0 to 2.0, not NaN",
+        ),
+        ("leg", "orders_lost = [1.5, 0.0]", "is 0.0 to 1.0, not 1.5"),
+        (
+            "leg",
+            "answers_lost = [0.0, -0.1]",
+            "is 0.0 to 1.0, not -0.1",
+        ),
+        (
+            "leg",
+            "torque_constant = [-1.0, 0.0]",
+            "is -0.9 to 9.0, not -1.0",
+        ),
+        (
+            "leg",
+            "zero_shift = [0.0, 4.0]",
+            "is -3.2 to 3.2 rad, not 4.0",
+        ),
+    ] {
+        let message = scenario_on(robot, &format!("[wiring]\n{key}")).unwrap_err();
+        let name = key.split(' ').next().unwrap();
+        let start = format!("case.toml, line 5: `{name}` of [wiring] {bounds}");
+        assert!(message.contains(&start), "{key}: {message}");
+    }
 }

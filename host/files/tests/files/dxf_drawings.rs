@@ -186,7 +186,10 @@ fn what_is_no_drawing_is_refused_with_its_line() {
             dxf(4, "0 LINE|8 0|10 x|20 2|11 3|21 4"),
             "group 10 is no number",
         ),
-        (dxf(4, "0 CIRCLE|8 0|10 1|20 2|40 1e9"), "out of reach"),
+        (
+            dxf(4, "0 CIRCLE|8 0|10 1|20 2|40 1e9"),
+            "2000000 m long, out of reach of any arm",
+        ),
         (dxf(4, "0 TEXT|8 0|1 hello"), "no visible lines"),
         ("0\nSECTION\nfive\nsix\n".into(), "line 3 is no group code"),
         ("0\nSECTION\n2\n".into(), "ends behind line 3"),
@@ -236,4 +239,22 @@ fn blocks_are_drawn_where_they_are_inserted() {
         .unwrap_err()
         .to_string();
     assert!(wide.contains("1000 columns"), "{wide}");
+}
+
+#[test]
+fn a_drawing_in_national_coordinates_keeps_its_shape_far_away() {
+    let text = dxf(
+        6,
+        "0 LINE|8 0|10 3438000.5|20 5400000.25|11 3438010.5|21 5400000.25",
+    );
+    let job = Job::parse(&text, &AS_WRITTEN).unwrap();
+    let ends: Vec<_> = job
+        .steps
+        .iter()
+        .filter_map(|step| step.action.end())
+        .collect();
+    assert_eq!(
+        ends,
+        [[3_438_000.5, 5_400_000.25], [3_438_010.5, 5_400_000.25]]
+    );
 }

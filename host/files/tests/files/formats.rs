@@ -73,3 +73,20 @@ fn a_compressed_drawing_is_read_and_a_damaged_one_refused() {
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     assert!(job::read(&path).is_err());
 }
+
+#[test]
+fn the_page_offers_the_endings_that_are_read() {
+    let page = include_str!("../../../fivebar/src/serve/page/index.html");
+    let offered = page
+        .split_once("accept=\"")
+        .unwrap()
+        .1
+        .split('"')
+        .next()
+        .unwrap();
+    let offered: Vec<&str> = offered
+        .split(',')
+        .map(|it| it.trim_start_matches('.'))
+        .collect();
+    assert_eq!(offered, fivebar_files::job::ENDINGS);
+}

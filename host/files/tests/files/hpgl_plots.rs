@@ -86,7 +86,10 @@ fn what_would_be_drawn_otherwise_is_refused_with_its_command() {
         ("IN;SP1;PD0,0,40;", "command 3, PD: a coordinate is missing"),
         ("IN;SP1;PE<=?;", "command 3, PE: it is not read"),
         ("IN;SC0,1,0,1;", "P1 and P2"),
-        ("IN;SP1;RO90;PD9,9", "--rotate"),
+        ("IN;SP1;RO45;PD9,9", "0, 90, 180 or 270"),
+        ("IN;SP1;PD9,9;RO90;PD0,9", "export it unturned"),
+        ("IN;SP1;PD;AT9,9,18,18.1,1,2;", "6 numbers do not suit it"),
+        ("IN;SP1;PD;AT9,9,4,4;", "no arc passes"),
         ("IN;SP1;PD1x,2", "command 3, PD"),
         ("IN;SP1;ZZ4;", "command 3, ZZ: it is no command"),
         ("IN;SP999;", "from 0 to 255"),
@@ -96,4 +99,53 @@ fn what_would_be_drawn_otherwise_is_refused_with_its_command() {
         let why = refused(text);
         assert!(why.contains(what), "{text}: {why}");
     }
+}
+
+#[test]
+fn an_arc_through_three_points_passes_them_in_their_order() {
+    let far = |[x, y]: [f64; 2]| ((x - 35.0).hypot(y - 25.0) - 10.0).abs();
+    for text in [
+        "IN;SP1;PU1000,1000;PD;AT1400,1400,1800,1000;PU;",
+        "IN;SP1;PU1000,1000;PD;RT400,400,800,0;PU;",
+    ] {
+        let arc = strokes(text).concat();
+        assert_eq!((arc[0], arc.last()), ([25.0, 25.0], Some(&[45.0, 25.0])));
+        assert!(
+            arc.iter()
+                .all(|&point| far(point) < 1e-5 && point[1] > 24.999)
+        );
+        let lengths = arc.windows(2).map(|ends| {
+            let [[x0, y0], [x1, y1]] = [ends[0], ends[1]];
+            (x1 - x0).hypot(y1 - y0)
+        });
+        assert!((lengths.sum::<f64>() - 31.416).abs() < 0.1);
+    }
+    let below = strokes("IN;SP1;PU1000,1000;PD;AT1400,600,1800,1000;PU;").concat();
+    assert!(below.iter().all(|point| point[1] < 25.001));
+    let circle = strokes("IN;SP1;PU1000,1000;PD;AT1800,1000,1000,1000;PU;").concat();
+    assert!(circle.len() > 40 && circle.iter().all(|&point| far(point) < 1e-5));
+    let line = strokes("IN;SP1;PU0,0;PD;AT400,400,800,800;PU;");
+    assert_eq!(line, [[[0.0, 0.0], [20.0, 20.0]]]);
+}
+
+#[test]
+fn wedges_curves_and_turned_plots_are_drawn_and_what_changes_no_line_is_skipped() {
+    let wedge = strokes("IN;SP1;CT1;PU400,400;EW400,0,90;PU;").concat();
+    assert_eq!((wedge[0], wedge[1]), ([10.0, 10.0], [20.0, 10.0]));
+    assert_eq!(wedge.last(), Some(&[10.0, 10.0]));
+    assert_eq!(wedge[wedge.len() - 2], [10.0, 20.0]);
+    for curve in [
+        "IN;SP1;PU400,0;PD;BZ400,400,800,400,800,0;",
+        "IN;SP1;PU400,0;PD;BR0,400,400,400,400,0;",
+    ] {
+        let curve = strokes(curve).concat();
+        assert_eq!((curve[0], curve.last()), ([10.0, 0.0], Some(&[20.0, 0.0])));
+        let highest = curve.iter().map(|point| point[1]).fold(0.0, f64::max);
+        assert!((highest - 7.5).abs() < 0.03, "{highest}");
+    }
+    let turned = strokes("IN;SP1;RO90;FT3,100,45;PU400,200;PD800,200;PU;IN;");
+    assert_eq!(turned, [[[-5.0, 10.0], [-5.0, 20.0]]]);
+    let notes = job("IN;SP1;RO90;PD9,9;WG9,0,90;").warnings;
+    let notes: Vec<_> = notes.iter().map(ToString::to_string).collect();
+    assert_eq!(notes, ["the plot is turned by RO", "fills are left out"]);
 }

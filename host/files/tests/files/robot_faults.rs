@@ -175,7 +175,7 @@ fn steppers_are_refused_what_they_cannot_do_with_the_way_out() {
         (
             "gravity = [0.0, 0.0]",
             "gravity = [0.0, -9.81]",
-            "its place is lost when it falls",
+            "nothing shows whether the brakes hold it",
         ),
         (
             "rated_current = 1.7",
@@ -458,11 +458,6 @@ fn drives_on_a_bus_are_refused_what_they_cannot_do_with_the_way_out() {
             "is a key of kind \"stepper\", and this drive is of kind \"can-torque\"",
         ),
         (
-            "following_error = 0.05",
-            "following_error = 0.005",
-            "a joint sinks under its weight while it homes",
-        ),
-        (
             "node = 1",
             "node = 1\nstiffness = 2000.0",
             "is a key of kind \"brushed\" or \"stepper\"",
@@ -505,7 +500,12 @@ fn drives_on_a_bus_are_refused_what_they_cannot_do_with_the_way_out() {
         (
             "current_bandwidth = 3000.0",
             "current_bandwidth = 30.0",
-            "must be 200 to 20000 rad/s",
+            "must be 200 to 4000 rad/s",
+        ),
+        (
+            "current_bandwidth = 3000.0",
+            "current_bandwidth = 10000.0",
+            "above that the tracking loop rings",
         ),
         (
             "[protection]",
@@ -532,6 +532,18 @@ fn drives_on_a_bus_are_refused_what_they_cannot_do_with_the_way_out() {
 }
 
 #[test]
+fn a_hobby_servo_on_the_supply_of_a_motor_is_refused() {
+    let text = fivebar_files::robot::BuiltIn::find("classroom_servo")
+        .expect("built in")
+        .text;
+    for volts in ["0.5", "24.0", "60.0"] {
+        let refusals = refusals(&text.replace("voltage = 4.8", &format!("voltage = {volts}")));
+        let sentence = "the electronics in a hobby servo are rated for 4.8 to 8.4 V";
+        assert!(refusals[0].contains(sentence), "{refusals:#?}");
+    }
+}
+
+#[test]
 fn the_ranges_of_mit_type_drives_hold_what_the_arm_needs() {
     let with = |position: f64, velocity: f64, torque: f64| {
         let mit = format!(
@@ -544,6 +556,23 @@ fn the_ranges_of_mit_type_drives_hold_what_the_arm_needs() {
     };
     assert!(Robot::parse("arm.toml", &with(12.5, 640.0, 2.0)).is_ok());
     for (text, sentence) in [
+        (
+            with(1250.0, 640.0, 2.0),
+            "1/10 of the `following_error` of [protection] at most; not 1250.0 rad",
+        ),
+        (
+            with(12.5, 64_000.0, 2.0),
+            "1/100 of the drive's `max_speed` at most; not 64000.0 rad/s",
+        ),
+        (
+            with(12.5, 640.0, 200.0),
+            "1/100 of the drive's `peak_torque` at most; not 200.0 N·m",
+        ),
+        (
+            with(12.5, 640.0, 2.0)
+                .replace("current_bandwidth = 3000.0", "current_bandwidth = 300.0"),
+            "with a sense: a higher one",
+        ),
         (with(3.0, 640.0, 2.0), "of 3.0 rad ends before joint 1 does"),
         (
             with(12.5, 64.0, 2.0),

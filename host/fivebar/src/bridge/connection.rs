@@ -5,10 +5,12 @@
 //! slow sender delays the controller's thread. Nothing is read before the slot has given the connection
 //! control, and one connection has it at a time.
 
+use super::options::BridgeError;
 use super::protocol::{Gate, Input, RealTime};
-use super::{BridgeError, network, terminal};
+use super::{network, terminal};
 use crate::senders::Endpoints;
 use fivebar_files::job::Dialect;
+use fivebar_sim::clock::Clock;
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -59,9 +61,11 @@ impl Visitor {
 pub(super) struct Presence {
     /// Who it is: an address, or the terminal.
     pub(super) peer: String,
-    pub(super) begun: Instant,
+    /// The time of the connection, as of all that it waits for.
+    pub(super) clock: Clock,
+    begun: Instant,
     /// When the latest byte came [ms after `begun`].
-    pub(super) received: AtomicU64,
+    received: AtomicU64,
     /// Reports that the sender waits for. One answers all that were asked for meanwhile, as Grbl does.
     reports: AtomicU32,
     /// Why the connection has ended.
@@ -69,10 +73,11 @@ pub(super) struct Presence {
 }
 
 impl Presence {
-    pub(super) fn new(peer: String) -> Arc<Self> {
+    pub(super) fn new(peer: String, clock: &Clock) -> Arc<Self> {
         Arc::new(Self {
             peer,
-            begun: Instant::now(),
+            begun: clock.now(),
+            clock: clock.clone(),
             received: AtomicU64::new(0),
             reports: AtomicU32::new(0),
             ended: OnceLock::new(),
@@ -82,7 +87,7 @@ impl Presence {
     /// Time since the latest byte.
     pub(super) fn silence(&self) -> Duration {
         let received = Duration::from_millis(self.received.load(Ordering::SeqCst));
-        self.begun.elapsed().saturating_sub(received)
+        self.clock.since(self.begun).saturating_sub(received)
     }
 
     /// Whether the sender has asked for a report since the last call.
@@ -96,7 +101,7 @@ impl Presence {
     }
 
     fn receive(&self) {
-        let time = self.begun.elapsed().as_millis() as u64;
+        let time = self.clock.since(self.begun).as_millis() as u64;
         self.received.store(time, Ordering::SeqCst);
     }
 }
@@ -191,9 +196,15 @@ pub(super) struct Desk {
     shared: Arc<Shared>,
     events: SyncSender<Event>,
     dialect: Option<Dialect>,
+    clock: Clock,
 }
 
 impl Desk {
+    /// A sender that has connected.
+    pub(super) fn presence(&self, peer: impl Into<String>) -> Arc<Presence> {
+        Presence::new(peer.into(), &self.clock)
+    }
+
     /// Asks for control; returns whether it was given. Waits until the slot has answered.
     pub(super) fn ask(&self, outlet: Outlet) -> bool {
         let (verdict, given) = mpsc::sync_channel(1);
@@ -300,13 +311,14 @@ impl Listening {
 }
 
 /// Where senders ask for control, and the slot's end of their connections.
-pub(super) fn desk(dialect: Option<Dialect>) -> (Desk, Connections) {
+pub(super) fn desk(dialect: Option<Dialect>, clock: Clock) -> (Desk, Connections) {
     let (sender, events) = mpsc::sync_channel(EVENTS);
     let shared = Arc::<Shared>::default();
     let desk = Desk {
         shared: Arc::clone(&shared),
         events: sender,
         dialect,
+        clock,
     };
     (desk, Connections { events, shared })
 }

@@ -16,7 +16,7 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(super) fn open(desk: Desk) -> (Console, Arc<Presence>) {
     let (input, lines) = mpsc::channel::<String>();
     let (texts, output) = mpsc::channel::<String>();
-    let presence = Presence::new("the page's console".into());
+    let presence = desk.presence("the page's console");
     let closed = Arc::new(AtomicBool::new(false));
     let close = Arc::clone(&closed);
     let outlet = Outlet::start(

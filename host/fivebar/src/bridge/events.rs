@@ -3,7 +3,7 @@
 use super::connection::{Event, Outlet, Presence, Visitor};
 use super::protocol::{Engine, Input, RealTime, ShareChange};
 use super::sender::Sender;
-use super::slot::{Phase, SenderSlot, moves, tool};
+use super::slot::{CLEARING, Phase, SenderSlot, moves, tool};
 use fivebar_files::job::Dialect;
 use fivebar_firmware::Request;
 use fivebar_firmware::safety::{Fault, State};
@@ -12,15 +12,11 @@ use fivebar_sim::controller::Session;
 use fivebar_sim::link::LinkError;
 use fivebar_sim::path_queue::Shares;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A sender that has been silent for this time loses control to another one, if the arm rests.
 /// Senders ask for reports every few seconds, also in a pause.
 const LONGEST_SILENCE: Duration = Duration::from_secs(10);
-/// A sender clears a fault this long after both the fault and its own connection, so that nothing
-/// that a program sends by itself clears one. Programs wait up to two seconds before their first
-/// line.
-pub(super) const CLEARING: Duration = Duration::from_secs(3);
 
 /// Sent to a sender that connects while a page moves the arm.
 const PAGE_MOVES: &str = "[MSG:the live page moves the arm: connect when it rests]\nerror:9\n";
@@ -59,7 +55,7 @@ impl SenderSlot<'_> {
         self.fault.latched = session.status.fault;
         if !had_fault && self.fault.latched == Some(Fault::EmergencyStop) {
             // It is the sender's own stop, which it may clear at once.
-            self.fault.clears_from = Instant::now();
+            self.fault.clears_from = session.clock.now();
         }
         self.drop_path(session);
         self.path.queue.set_shares(Shares::WHOLE);
@@ -177,7 +173,7 @@ impl SenderSlot<'_> {
         let locked = session.status.fault.is_some() || !session.status.homed;
         outlet.send(&Engine::greeting(dialect, locked));
         (self.note)(&format!("a sender is connected: {}", outlet.presence.peer));
-        self.fault.clears_from = Instant::now() + CLEARING;
+        self.fault.clears_from = outlet.presence.clock.now() + CLEARING;
         self.sender = Some(Sender::new(outlet, engine, dialect));
     }
 

@@ -1,7 +1,7 @@
 //! Senders over TCP.
 
-use super::BridgeError;
-use super::connection::{Desk, Outlet, Presence};
+use super::connection::{Desk, Outlet};
+use super::options::BridgeError;
 use std::io::{Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
@@ -44,7 +44,7 @@ fn serve(desk: &Desk, mut stream: TcpStream, peer: SocketAddr) -> std::io::Resul
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(LONGEST_WRITE))?;
     let (mut out, closer) = (stream.try_clone()?, stream.try_clone()?);
-    let presence = Presence::new(peer.to_string());
+    let presence = desk.presence(peer.to_string());
     let outlet = Outlet::start(
         Arc::clone(&presence),
         move |text| out.write_all(text.as_bytes()).is_ok(),

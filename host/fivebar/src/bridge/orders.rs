@@ -7,7 +7,6 @@ use fivebar_firmware::{Move, Request, Status};
 use fivebar_sim::controller::Session;
 use fivebar_sim::link::LinkError;
 use fivebar_sim::simulation::fault_name;
-use std::time::Instant;
 
 /// Grbl's number for a target out of reach.
 const OUT_OF_REACH: u8 = 15;
@@ -52,7 +51,7 @@ impl SenderSlot<'_> {
                 let left = self
                     .fault
                     .clears_from
-                    .saturating_duration_since(Instant::now());
+                    .saturating_duration_since(session.clock.now());
                 if !left.is_zero() {
                     let why = format!(
                         "{} is latched: wait {:.1} s, then clear it",

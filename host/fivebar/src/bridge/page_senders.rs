@@ -1,18 +1,17 @@
 //! Senders beside the live page: pages watch while one of them is in control.
 
 use super::connection::{Desk, Presence};
-use super::events::CLEARING;
+use super::options::{BridgeError, BridgeOptions, Reading};
 use super::protocol::RealTime;
 use super::sender::Sender;
-use super::slot::{Phase, SenderSlot, moves};
-use super::{BridgeError, BridgeOptions, Reading, connection, console};
+use super::slot::{CLEARING, Phase, SenderSlot, moves};
+use super::{connection, console};
 use crate::senders::{Console, Endpoints, Listen, Senders};
 use fivebar_files::robot::Robot;
 use fivebar_sim::controller::{OpenError, Session};
 use fivebar_sim::link::LinkError;
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Weak};
-use std::time::Instant;
 
 /// The sender slot of a page's server.
 pub(super) struct PageSenders {
@@ -46,7 +45,7 @@ fn listen(
 ) -> Result<Box<dyn Senders>, BridgeError> {
     let consoles_only = BridgeOptions::at(None);
     let reading = Reading::new(robot, options.unwrap_or(&consoles_only))?;
-    let (desk, connections) = connection::desk(reading.dialect);
+    let (desk, connections) = connection::desk(reading.dialect, session.clock.clone());
     let endpoints = options.map(|options| connection::listen(options.address, &desk));
     let endpoints = endpoints.transpose()?;
     let (sender, notes) = mpsc::channel();
@@ -123,7 +122,7 @@ impl Senders for PageSenders {
     fn emergency_stop(&mut self, session: &mut Session) -> Result<(), LinkError> {
         self.slot.connections.shared.emergency_stop();
         self.slot.stop_if_asked(session)?;
-        self.slot.fault.clears_from = Instant::now() + CLEARING;
+        self.slot.fault.clears_from = session.clock.now() + CLEARING;
         Ok(())
     }
 

@@ -20,12 +20,13 @@ pub(super) struct Sender {
     pub(super) waiting: usize,
     /// The line in progress.
     pub(super) current: Option<(Dialect, Response)>,
-    pub(super) busy_since: Instant,
+    busy_since: Instant,
     pub(super) lost: Option<String>,
 }
 
 impl Sender {
     pub(super) fn new(outlet: Outlet, engine: Engine, dialect: Dialect) -> Self {
+        let busy_since = outlet.presence.clock.now();
         Self {
             outlet,
             engine,
@@ -33,7 +34,7 @@ impl Sender {
             lines: VecDeque::new(),
             waiting: 0,
             current: None,
-            busy_since: Instant::now(),
+            busy_since,
             lost: None,
         }
     }
@@ -69,7 +70,7 @@ impl Sender {
             return false;
         };
         self.waiting = self.waiting.saturating_sub(line.length);
-        self.busy_since = Instant::now();
+        self.busy_since = self.outlet.presence.clock.now();
         match self.engine.line(&line, view) {
             Ok(response) => {
                 self.outlet.send(&response.text);
@@ -98,8 +99,9 @@ impl Sender {
 
     /// RepRap senders give up on a line without a sign of life.
     pub(super) fn show_that_it_is_busy(&mut self) {
-        if self.dialect == Dialect::RepRap && self.busy_since.elapsed() > BUSY_EVERY {
-            self.busy_since = Instant::now();
+        let clock = &self.outlet.presence.clock;
+        if self.dialect == Dialect::RepRap && clock.since(self.busy_since) > BUSY_EVERY {
+            self.busy_since = clock.now();
             self.outlet.send("echo:busy: processing\n");
         }
     }

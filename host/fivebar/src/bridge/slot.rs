@@ -1,9 +1,8 @@
 //! The sender slot: the thread of the controller does stops at once, lines in order, and reports.
 
-use super::Reading;
 use super::connection::Connections;
-use super::events::CLEARING;
 use super::log::PathLog;
+use super::options::Reading;
 use super::orders::Progress;
 use super::path_state::PathState;
 use super::protocol::{Engine, Refusal, Response};
@@ -18,10 +17,14 @@ use fivebar_sim::controller::{Session, sentence};
 use fivebar_sim::link::LinkError;
 use fivebar_sim::path_queue::way_back;
 use fivebar_sim::simulation::fault_name;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Lines that are answered before the controller gets its next sign of life.
 const LINES_PER_CYCLE: usize = 64;
+/// A sender clears a fault this long after both the fault and its own connection, so that nothing
+/// that a program sends by itself clears one. Programs wait up to two seconds before their first
+/// line.
+pub(super) const CLEARING: Duration = Duration::from_secs(3);
 
 /// What the arm does apart from its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +92,7 @@ impl<'a> SenderSlot<'a> {
             phase: Phase::Ready,
             fault: KnownFault {
                 latched: session.status.fault,
-                clears_from: Instant::now(),
+                clears_from: session.clock.now(),
             },
             speed: ToolSpeed::from(session.status.tick),
         })
@@ -187,7 +190,7 @@ impl<'a> SenderSlot<'a> {
     }
 
     fn report_fault(&mut self, session: &Session, fault: Fault) {
-        self.fault.clears_from = Instant::now() + CLEARING;
+        self.fault.clears_from = session.clock.now() + CLEARING;
         self.drop_path(session);
         self.phase = Phase::Ready;
         let why = format!("fault {}, {}", fault.number(), fault_name(fault));

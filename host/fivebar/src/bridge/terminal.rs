@@ -1,10 +1,7 @@
 //! Senders at a pseudo-terminal, which this user's programs open like a serial port.
 
-use super::connection::Desk;
-use std::io;
-
 #[cfg(not(unix))]
-pub(super) fn open(_: Desk) -> io::Result<Option<String>> {
+pub(super) fn open(_: super::connection::Desk) -> std::io::Result<Option<String>> {
     Ok(None)
 }
 
@@ -13,16 +10,15 @@ pub(super) use unix::open;
 
 #[cfg(unix)]
 mod unix {
-    use super::{Desk, io};
-    use crate::bridge::connection::{Outlet, Presence};
+    use crate::bridge::connection::{Desk, Outlet};
     use serialport::{SerialPort as _, TTYPort};
     use std::fs::{Permissions, set_permissions};
-    use std::io::{ErrorKind, Read as _, Write};
+    use std::io::{self, ErrorKind, Read as _, Write};
     use std::os::unix::fs::PermissionsExt as _;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::thread;
-    use std::time::{Duration, Instant};
+    use std::time::Duration;
 
     /// Time between two looks at a pseudo-terminal that no program has open.
     const LOOK: Duration = Duration::from_millis(20);
@@ -67,14 +63,14 @@ mod unix {
     }
 
     fn serve(desk: &Desk, master: &mut TTYPort, mut writer: TTYPort, first: &[u8]) {
-        let presence = Presence::new("the terminal".into());
+        let presence = desk.presence("the terminal");
         let closed = Arc::new(AtomicBool::new(false));
         let (close, line) = (Arc::clone(&closed), Arc::clone(&presence));
         let outlet = Outlet::start(
             Arc::clone(&presence),
             move |text| {
-                let deadline = Instant::now() + LONGEST_WRITE;
-                let goes_on = || line.ended().is_none() && Instant::now() < deadline;
+                let begun = line.clock.now();
+                let goes_on = || line.ended().is_none() && line.clock.since(begun) < LONGEST_WRITE;
                 write_slowly(&mut writer, text.as_bytes(), goes_on).is_ok()
             },
             move || close.store(true, Ordering::SeqCst),

@@ -15,7 +15,7 @@ use fivebar_files::linkage::DrivenLinkage;
 use fivebar_files::robot::{Mechanism, Robot, SliderRobot};
 use fivebar_files::scenario::Scenario;
 use fivebar_report::html::Page;
-use fivebar_report::output::write_whole;
+use fivebar_report::output::write_in;
 use fivebar_report::pages::accuracy::{at_page, linkage_page, map_page, path_page, slider_page};
 use fivebar_report::study::accuracy::{
     accuracy_map, allocation_answer, analyse, analyse_slider, answer, cheapest, linkage_answer,
@@ -107,7 +107,7 @@ fn instant(text: &str) -> Result<f64, ValueError> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (answer, page) = subject(args)?;
     if let Some(folder) = &args.out {
-        write_whole(&folder.join("report.html"), page.render()).map_err(refused)?;
+        write_in(folder, "report.html", page.render()).map_err(refused)?;
     }
     if args.json {
         say(&answer)?;

@@ -9,6 +9,7 @@ use super::serve::{ControllerArgs, address, described};
 use crate::bridge::{BridgeError, BridgeOptions, bridge};
 use crate::senders::Endpoints;
 use fivebar_files::robot::Robot;
+use fivebar_sim::clock::Clock;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -43,7 +44,6 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.controller.robot).map_err(refused)?;
-    robot.brushed().map_err(refused)?;
     let reading = args.reading.options();
     let options = BridgeOptions {
         address: args.listen,
@@ -51,6 +51,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         origin: args.origin,
         reading,
         log: args.log.clone(),
+        clock: Clock::real(),
     };
     let ready = |endpoints: &Endpoints| {
         say(endpoints).unwrap_or_else(warn);
@@ -61,11 +62,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);
-    let image = args.controller.image();
+    let image = args.controller.image(&robot);
     let source = args.controller.source(&image);
     let note = Box::new(|text: &str| warn(text));
     bridge(&robot, source, &options, ready, note, &ends).map_err(|error| match error {
-        BridgeError::Controller(error) => described(error, &args.controller),
+        BridgeError::Controller(error) => described(error, &args.controller, &robot),
         other => refused(other),
     })
 }

@@ -165,7 +165,7 @@ fn from_several(args: &Args, robot: &Robot) -> Result<(), Failure> {
     };
     let study =
         calibrate_robot_mixed(robot, &rows, deviations, args.criterion()).map_err(refused)?;
-    for warning in mixed_warnings(&study) {
+    for warning in mixed_warnings(robot, &study) {
         warn(warning);
     }
     let found = &study.calibration;

@@ -3,7 +3,7 @@
 use super::failure::{Failure, refused};
 use super::port::interrupted;
 use super::say::{say, warn};
-use crate::commission::{Commissioning, Options, Output, STEPS, StepError};
+use crate::commission::{Commissioning, Options, Output, StepError, named, names};
 use fivebar_files::robot::BuiltIn;
 use std::io::{BufRead, stdin};
 use std::path::PathBuf;
@@ -45,11 +45,10 @@ pub(super) struct Args {
 }
 
 fn step_name(text: &str) -> Result<String, String> {
-    if STEPS.iter().any(|step| step.name == text) {
-        return Ok(text.into());
+    match named(text) {
+        Some(name) => Ok(name.into()),
+        None => Err(format!("a step is one of {}", names().join(", "))),
     }
-    let names: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
-    Err(format!("a step is one of {}", names.join(", ")))
 }
 
 /// How often a wait for Enter looks for the end of the program.
@@ -57,8 +56,8 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// A person at the terminal, who presses Enter when a task is done. The simulated operator presses nothing.
 struct Terminal {
-    /// A line was entered; it ends with the input.
-    entered: Receiver<()>,
+    /// A line that was entered; it ends with the input.
+    entered: Receiver<String>,
     ends: Arc<AtomicBool>,
 }
 
@@ -67,14 +66,29 @@ impl Terminal {
     fn new(ends: Arc<AtomicBool>) -> Self {
         let (enter, entered) = sync_channel(0);
         thread::spawn(move || {
-            let mut line = String::new();
-            while let Ok(1..) = stdin().lock().read_line(&mut line) {
-                if enter.send(()).is_err() {
+            for line in stdin().lock().lines().map_while(Result::ok) {
+                if enter.send(line).is_err() {
                     return;
                 }
             }
         });
         Self { entered, ends }
+    }
+
+    /// The line that is entered next.
+    fn wait(&self) -> Result<String, StepError> {
+        while !self.ends.load(Ordering::Acquire) {
+            match self.entered.recv_timeout(LOOK) {
+                Ok(line) => return Ok(line),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(StepError::other(
+                        "the input ended while a step waited for Enter; run the same command again to go on",
+                    ));
+                }
+            }
+        }
+        Err(StepError::other("stopped by the user"))
     }
 }
 
@@ -88,18 +102,23 @@ impl Output for Terminal {
             return Ok(());
         }
         print(format_args!("  → {task}, then press Enter."))?;
-        while !self.ends.load(Ordering::Acquire) {
-            match self.entered.recv_timeout(LOOK) {
-                Ok(()) => return Ok(()),
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(StepError::other(
-                        "the input ended while a step waited for Enter; run the same command again to go on",
-                    ));
-                }
+        self.wait().map(|_| ())
+    }
+
+    fn choose(&mut self, question: &str, answers: &[String]) -> Result<usize, StepError> {
+        print(format_args!("  → {question}"))?;
+        for (index, answer) in answers.iter().enumerate() {
+            print(format_args!("     {}  {answer}", index + 1))?;
+        }
+        loop {
+            print("    Enter its number.")?;
+            let number = self.wait()?.trim().parse::<usize>();
+            if let Ok(number) = number
+                && (1..=answers.len()).contains(&number)
+            {
+                return Ok(number - 1);
             }
         }
-        Err(StepError::other("stopped by the user"))
     }
 }
 
@@ -134,14 +153,17 @@ fn commission(args: &Args, ends: &Arc<AtomicBool>) -> Result<(), StepError> {
 /// Does the steps that are not done yet.
 fn steps(args: &Args, commissioning: &mut Commissioning) -> Result<(), StepError> {
     if let Some(again) = &args.again {
-        commissioning.forget_from(again);
+        commissioning.forget_from(again)?;
     }
+    let until = args.until.as_deref();
+    let until = until.map(|step| commissioning.place(step)).transpose()?;
     commissioning.prepare()?;
-    for (index, step) in STEPS.iter().enumerate() {
-        if args.until.as_deref() == Some(step.name) {
+    let all = commissioning.steps();
+    for (index, step) in all.iter().enumerate() {
+        if until == Some(index) {
             break;
         }
-        let title = format!("{}/{} {}", index + 1, STEPS.len(), step.name);
+        let title = format!("{}/{} {}", index + 1, all.len(), step.name);
         if let Some(done) = commissioning.done(step.name) {
             print(format_args!(
                 "{title}: done on {}: {}",

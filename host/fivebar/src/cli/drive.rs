@@ -7,17 +7,17 @@ use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
 use super::say::{say, warn};
 use super::sim::{millimetres, path_lengths};
-use fivebar_files::job::{Job, Pause};
-use fivebar_files::robot::{DriveKind, Robot};
+use fivebar_files::job::Pause;
+use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
-use fivebar_firmware::{Move, Planner, Status};
-use fivebar_sim::drive::{Drive, DriveError, Homing};
+use fivebar_firmware::{Move, Status};
+use fivebar_plant::Stepper;
+use fivebar_sim::drive::{Drive, DriveError, Homing, job_moves};
 use fivebar_sim::link::motors_of;
+use fivebar_sim::machine::Machine;
 use fivebar_sim::simulation::{Sample, Trace};
-use fivebar_sim::time_optimal::JobPlanner;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{Read, Write};
 use std::sync::atomic::Ordering;
 
 /// Streams a job to a controller that drives motors; Ctrl-C, and the
@@ -34,14 +34,21 @@ pub(super) struct Args {
     /// Clear a latched fault first.
     #[arg(long)]
     clear: bool,
-    /// Joint angles to which you have turned the arm by hand [rad]; without this option, an
-    /// arm that is not homed searches for its home switches.
+    /// Home the arm first, also if the controller knows its place; without this option it homes only an arm whose place
+    /// is not known.
+    #[arg(long, conflicts_with = "at")]
+    home: bool,
+    /// Joint angles to which you have turned the arm by hand [rad], in place of homing.
     #[arg(long, value_name = "θ1,θ4", value_parser = super::run_args::point, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
     #[command(flatten)]
     log: LogArgs,
 }
 
+#[expect(
+    clippy::too_many_lines,
+    reason = "the steps of a job, one after the other"
+)]
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if !args.job.names_a_job() {
         return Err(Failure::Usage(
@@ -53,7 +60,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
-    let drives = drives(&scenario.robot)?;
+    let machine = machine(&scenario.robot)?;
     let settings = scenario.robot.settings().map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
@@ -61,7 +68,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     args.log.prepare()?;
     let interrupted = interrupted()?;
     let (mut client, identity) = args.port.open()?;
-    refuse_other(identity.board, drives)?;
+    refuse_other(identity.board, &machine)?;
     let wants_stop = || interrupted.load(Ordering::Relaxed);
     let mut drive = Drive::new(&mut client, &wants_stop);
     let lengths = path_lengths(&scenario, &job);
@@ -71,8 +78,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         steps.checked_sub(1).map_or(0.0, |last| lengths[last])
     };
     let bar = progress(&lengths);
-    let at = |angles: [f64; 2]| Homing::At(angles.map(|angle| angle as f32));
-    let homing = args.at.map_or(Homing::Switches, at);
+    let homing = match args.at {
+        Some(angles) => Homing::At(angles.map(|angle| angle as f32)),
+        None if args.home => Homing::Always,
+        None => Homing::IfUnknown,
+    };
     let tick_rate = f64::from(settings.control.tick_rate);
     let mut start = None;
     let mut trace = Trace::default();
@@ -96,7 +106,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let mut planner = drive.planner(&settings)?;
         has_crossed = planner.assembly() != settings.assembly();
         let pauses;
-        (moves, pauses) = planned(&scenario, &job, &mut drive, &mut planner)?;
+        let planned = drive
+            .tool()
+            .and_then(|tool| job_moves(&scenario, &job, tool, &mut planner));
+        (moves, pauses) = match planned {
+            Ok(planned) => planned,
+            Err(error) => {
+                drive.end_hold()?;
+                return Err(error);
+            }
+        };
         let mut on_progress = |taken: usize, status: &Status| {
             let last = taken.checked_sub(1).and_then(|last| moves.get(last));
             bar.set_position(millimetres(length_up_to(last)));
@@ -122,31 +141,39 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     outcome.map_err(|error| refusal(&scenario, error, has_crossed))?;
     let done = moves.len();
     say(format_args!(
-        "{}: {done} moves done, bridges off",
-        scenario.job_file
+        "{}: {done} moves done, bridges off{}",
+        scenario.job_file,
+        unseen(&scenario.robot)
     ))?;
     logged
 }
 
-/// What turns a robot's joints, and the image of the firmware for it, if there is one.
-fn drives(robot: &Robot) -> Result<(&'static str, &'static str), Failure> {
-    Ok(match robot.drive_kind() {
-        DriveKind::Stepper => ("steppers", "stm32f405_stepper"),
-        DriveKind::CanTorque => ("drives on a CAN bus", "stm32f405_can"),
-        DriveKind::Brushed => ("brushed motors", "stm32f405"),
-        DriveKind::Servo => {
-            return Err(refused(format_args!(
-                "robot `{}` has hobby servos, and no image of the firmware drives them yet: `fivebar sim` draws with the \
-                 simulated arm",
-                robot.name
-            )));
+/// What a controller does not see of a job that it has done.
+fn unseen(robot: &Robot) -> &'static str {
+    let blind = |motors: [Stepper; 2]| motors.iter().any(|motor| !motor.encoder);
+    match robot.steppers().is_some_and(blind) {
+        true => {
+            "; steppers without encoders do not show lost steps: look whether the drawing is whole"
         }
-    })
+        false => "",
+    }
+}
+
+/// What a robot is, whose drives the firmware drives.
+fn machine(robot: &Robot) -> Result<Machine, Failure> {
+    let machine = Machine::of(robot.drive_kind());
+    match machine.board {
+        Some(_) => Ok(machine),
+        None => Err(refused(format_args!(
+            "robot `{}` has {}, and no image of the firmware drives them yet: `fivebar sim` draws with the simulated arm",
+            robot.name, machine.motors
+        ))),
+    }
 }
 
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
 /// else.
-fn refuse_other(board: Board, (wanted, image): (&str, &str)) -> Result<(), Failure> {
+fn refuse_other(board: Board, machine: &Machine) -> Result<(), Failure> {
     if matches!(
         board,
         Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan
@@ -154,34 +181,14 @@ fn refuse_other(board: Board, (wanted, image): (&str, &str)) -> Result<(), Failu
         let reason = "an emulated board has no motors; run the job on it with `fivebar pil`";
         return Err(Failure::Refused(reason.into()));
     }
-    let of_board = motors_of(board);
-    if of_board == wanted {
-        return Ok(());
+    match machine.board {
+        Some(image) if !machine.fits(board) => Err(refused(format_args!(
+            "the controller is for {} and the robot has {}; write the image `{image}` to the board",
+            motors_of(board),
+            machine.motors
+        ))),
+        _ => Ok(()),
     }
-    Err(refused(format_args!(
-        "the controller is for {of_board} and the robot has {wanted}; write the image `{image}` to the board"
-    )))
-}
-
-/// The job's moves from where the arm is, and the pauses between them.
-fn planned(
-    scenario: &Scenario,
-    job: &Job,
-    drive: &mut Drive<'_, impl Read + Write>,
-    planner: &mut Planner,
-) -> Result<(Vec<Move>, Vec<Pause>), DriveError> {
-    let (mode, assembly) = (planner.workspace().mode, planner.assembly());
-    let (moves, mut pauses) = job.with_pauses(&scenario.moves_in(mode, Some(assembly), job)?);
-    let Some(share) = scenario.time_optimal else {
-        return Ok((moves, pauses));
-    };
-    let job = JobPlanner::new(&scenario.robot, share)?;
-    let planned = job.plan(drive.tool()?, &moves, planner)?;
-    for pause in &mut pauses {
-        pause.before =
-            planned.partition_point(|piece| piece.source.is_none_or(|it| it < pause.before));
-    }
-    Ok((planned.iter().map(|piece| piece.next).collect(), pauses))
 }
 
 /// A bar as long as the job; `lengths` are those up to each step [m].

@@ -24,7 +24,7 @@ pub(super) struct Args {
 enum Format {
     /// MuJoCo; an equality constraint closes the loop.
     Mjcf,
-    /// URDF; the loop is open at C.
+    /// URDF; the loop is open at C, and gravity is not in it: the file says what to set.
     Urdf,
     /// Links and joints as a graph.
     Dot,
@@ -35,7 +35,9 @@ impl Format {
     fn reader(self) -> &'static str {
         match self {
             Self::Mjcf => "MuJoCo",
-            Self::Urdf => "readers of URDF, with its loop open at C",
+            Self::Urdf => {
+                "readers of URDF, without gravity and with its loop open at C as the file says,"
+            }
             Self::Dot => "Graphviz",
         }
     }

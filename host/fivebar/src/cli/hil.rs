@@ -1,8 +1,9 @@
 //! `fivebar hil`: the firmware on a board, in lockstep with the simulated arm.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs, RemoteController, image_of};
+use super::lockstep::{self, LockstepArgs, RemoteController};
 use fivebar_sim::link::SerialLine;
+use fivebar_sim::machine::Machine;
 
 /// Runs a job on a board without motors, in lockstep with the simulated arm.
 ///
@@ -26,7 +27,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         unit: "ns",
         likely_cause: &format!(
             "if its image `{}` is older than this program, build it again with scripts/firmware.sh and flash it",
-            image_of(&scenario.robot)
+            Machine::of(scenario.robot.drive_kind()).emulated
         ),
     };
     lockstep::run(&args.run, &scenario, &board, || {

@@ -5,16 +5,14 @@ use super::failure::{Failure, refused};
 use super::run_args::RunArgs;
 use super::say::say;
 use super::sim::{millimetres, outcome, path_lengths, print, progress_bar, refusal};
-use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::drives::can::BusDrives;
-use fivebar_firmware::drives::{BrushedDrives, StepDrives};
 use fivebar_report::pages::RunReport;
 use fivebar_report::text::{conditions, fault_and_next_step};
 use fivebar_sim::link::{
     Difference, EmulatedDrives, Instructions, Lockstep, LockstepError, TargetError,
 };
-use fivebar_sim::simulation::{RunError, Simulate, SimulatedDrives, Summary};
+use fivebar_sim::machine::Machine;
+use fivebar_sim::simulation::{RunError, Simulate, SimulatedArm, Summary, WithArm, with_arm};
 use serde::Serialize;
 use std::io::{Read, Write};
 
@@ -35,17 +33,6 @@ impl LockstepArgs {
     /// What is run.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
         self.run.scenario()
-    }
-}
-
-/// The image for a board that is stepped by the host, with the drives of this robot.
-pub(super) fn image_of(robot: &Robot) -> &'static str {
-    if robot.has_steppers() {
-        StepDrives::IMAGE
-    } else if robot.can_drives().is_some() {
-        BusDrives::IMAGE
-    } else {
-        BrushedDrives::IMAGE
     }
 }
 
@@ -87,97 +74,109 @@ pub(super) fn run(
     other: &RemoteController<'_>,
     line: impl FnOnce() -> Result<Box<dyn Connection>, Failure>,
 ) -> Result<(), Failure> {
-    match image_of(&scenario.robot) {
-        StepDrives::IMAGE => run_with::<StepDrives>(args, scenario, other, line),
-        BusDrives::IMAGE => run_with::<BusDrives>(args, scenario, other, line),
-        _ => {
-            scenario.robot.brushed().map_err(refused)?;
-            run_with::<BrushedDrives>(args, scenario, other, line)
-        }
-    }
+    let run = Run {
+        args,
+        scenario,
+        other,
+        line,
+    };
+    with_arm(scenario, run).map_err(refused)?
 }
 
-fn run_with<I: EmulatedDrives + SimulatedDrives>(
-    args: &LockstepArgs,
-    scenario: &Scenario,
-    other: &RemoteController<'_>,
-    line: impl FnOnce() -> Result<Box<dyn Connection>, Failure>,
-) -> Result<(), Failure> {
-    let RemoteController {
-        name,
-        command,
-        unit,
-        likely_cause,
-    } = other;
-    let folders = args.run.output.prepare(command)?;
-    let job = scenario.job().map_err(refused)?;
-    scenario
-        .check(&job)
-        .map_err(|error| refusal(scenario, &error))?;
-    let count = args.moves.or_else(|| {
-        let demonstration = !args.run.names_a_job();
-        demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
-    });
-    let count = count.unwrap_or(usize::MAX);
-    let moves = scenario.first_moves(&job, count);
-    let moves = moves.map_err(|error| refusal(scenario, &error))?;
+struct Run<'a, L> {
+    args: &'a LockstepArgs,
+    scenario: &'a Scenario,
+    other: &'a RemoteController<'a>,
+    line: L,
+}
 
-    let settings = scenario.robot.settings().map_err(refused)?;
-    let (mut lockstep, _) =
-        Lockstep::<_, I>::begin(line()?, &settings, &settings).map_err(|error| match error {
+impl<L: FnOnce() -> Result<Box<dyn Connection>, Failure>> WithArm for Run<'_, L> {
+    type Output = Result<(), Failure>;
+
+    fn with<P: SimulatedArm<Interface: EmulatedDrives>>(self, arm: P) -> Self::Output {
+        let Self {
+            args,
+            scenario,
+            other,
+            line,
+        } = self;
+        let RemoteController {
+            name,
+            command,
+            unit,
+            likely_cause,
+        } = other;
+        let folders = args.run.output.prepare(command)?;
+        let job = scenario.job().map_err(refused)?;
+        scenario
+            .check(&job)
+            .map_err(|error| refusal(scenario, &error))?;
+        let count = args.moves.or_else(|| {
+            let demonstration = !args.run.names_a_job();
+            demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
+        });
+        let count = count.unwrap_or(usize::MAX);
+        let moves = scenario.first_moves(&job, count);
+        let moves = moves.map_err(|error| refusal(scenario, &error))?;
+
+        let settings = scenario.robot.settings().map_err(refused)?;
+        let (mut lockstep, _) = Lockstep::<_, P::Interface>::begin(line()?, &settings, &settings)
+            .map_err(|error| match error {
             LockstepError::Link(_) | LockstepError::Refused(_) => {
                 refused(format_args!("{name}: {error}; {likely_cause}"))
             }
             other => refused(format_args!("{name}: {other}")),
         })?;
-    let lengths = path_lengths(scenario, &job);
-    let last = count.min(lengths.len()).saturating_sub(1);
-    let bar = progress_bar(lengths.get(last).copied());
-    let ran = scenario.run_on(&mut lockstep, &moves, &mut |done| {
-        bar.set_position(millimetres(done));
-    });
-    bar.finish_and_clear();
-    let (mut summary, record) = ran.map_err(|error| match error {
-        RunError::Target(TargetError::Link(_) | TargetError::Unexpected(_)) => {
-            refused(format_args!("{name}: {error}; {likely_cause}"))
-        }
-        other => refusal(scenario, &other),
-    })?;
-    summary.out_dir = folders.out.path().display().to_string();
+        let lengths = path_lengths(scenario, &job);
+        let last = count.min(lengths.len()).saturating_sub(1);
+        let bar = progress_bar(lengths.get(last).copied());
+        let ran = scenario.run_arm(&mut lockstep, arm, &moves, &mut |done| {
+            bar.set_position(millimetres(done));
+        });
+        bar.finish_and_clear();
+        let (mut summary, record) = ran.map_err(|error| match error {
+            RunError::Target(TargetError::Link(_) | TargetError::Unexpected(_)) => {
+                refused(format_args!("{name}: {error}; {likely_cause}"))
+            }
+            other => refusal(scenario, &other),
+        })?;
+        summary.out_dir = folders.out.path().display().to_string();
 
-    let Instructions { min, max, total } = lockstep.instructions();
-    let figures = LockstepSummary {
-        run: &summary,
-        instructions_per_tick: PerTick {
-            min,
-            mean: total as f64 / lockstep.ticks().max(1) as f64,
-            max,
-        },
-        bit_exact: lockstep.first_difference().is_none(),
-        first_difference: lockstep.first_difference(),
-    };
-    let stopped = fault_and_next_step(scenario, &record);
-    let report = RunReport {
-        robot: &scenario.robot,
-        job: Some(&job),
-        summary: &summary,
-        trace: &record.trace,
-        pid: None,
-        stopped: stopped.as_deref(),
-        conditions: &conditions(scenario),
-    };
-    let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
-    args.run.output.write(&folders, &report, &text)?;
-    if args.run.output.json {
-        say(serde_json::to_string(&figures).map_err(refused)?)?;
-    } else {
-        print(&summary, &record)?;
-        print_comparison(&figures, lockstep.ticks(), unit, I::OUTPUTS)?;
+        let Instructions { min, max, total } = lockstep.instructions();
+        let figures = LockstepSummary {
+            run: &summary,
+            instructions_per_tick: PerTick {
+                min,
+                mean: total as f64 / lockstep.ticks().max(1) as f64,
+                max,
+            },
+            bit_exact: lockstep.first_difference().is_none(),
+            first_difference: lockstep.first_difference(),
+        };
+        let stopped = fault_and_next_step(scenario, &record);
+        let report = RunReport {
+            robot: &scenario.robot,
+            job: Some(&job),
+            summary: &summary,
+            trace: &record.trace,
+            pid: None,
+            stopped: stopped.as_deref(),
+            conditions: &conditions(scenario),
+        };
+        let text = serde_json::to_string_pretty(&figures).map_err(refused)?;
+        args.run.output.write(&folders, &report, &text)?;
+        if args.run.output.json {
+            say(serde_json::to_string(&figures).map_err(refused)?)?;
+        } else {
+            let machine = Machine::of(scenario.robot.drive_kind());
+            print(&machine, &summary, &record)?;
+            print_comparison(&figures, lockstep.ticks(), unit, P::Interface::OUTPUTS)?;
+        }
+        if let Some(difference) = lockstep.first_difference() {
+            return Err(refused(format_args!("{difference}; {likely_cause}")));
+        }
+        outcome(scenario, &record, &summary.verdict)
     }
-    if let Some(difference) = lockstep.first_difference() {
-        return Err(refused(format_args!("{difference}; {likely_cause}")));
-    }
-    outcome(scenario, &record)
 }
 
 /// A stream of bytes to a controller.

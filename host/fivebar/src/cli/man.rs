@@ -4,7 +4,7 @@ use super::command;
 use super::failure::{Failure, refused};
 use super::say::{print, say};
 use clap_mangen::Man;
-use fivebar_report::output::write_whole;
+use fivebar_report::output::write_in;
 use std::path::PathBuf;
 
 /// Prints the manual, or writes one page for each command.
@@ -20,7 +20,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         page.render(&mut text).map_err(refused)?;
         match &args.dir {
             Some(folder) => {
-                write_whole(&folder.join(page.get_filename()), text).map_err(refused)?;
+                write_in(folder, &page.get_filename(), text).map_err(refused)?;
             }
             None => print(String::from_utf8_lossy(&text))?,
         }

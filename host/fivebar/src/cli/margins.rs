@@ -3,7 +3,7 @@
 use super::failure::{Failure, refused};
 use super::say::{print, say};
 use fivebar_files::robot::{BuiltIn, Robot};
-use fivebar_report::output::write_whole;
+use fivebar_report::output::write_in;
 use fivebar_report::study::margins::MarginsStudy;
 use fivebar_report::{pages, text};
 use std::path::PathBuf;
@@ -30,8 +30,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     robot.brushed().map_err(refused)?;
     let study = MarginsStudy::new(&robot).map_err(refused)?;
     if let Some(folder) = &args.out {
-        let path = folder.join("report.html");
-        write_whole(&path, pages::margins(&study).render()).map_err(refused)?;
+        write_in(folder, "report.html", pages::margins(&study).render()).map_err(refused)?;
     }
     if args.json {
         say(study.answer())?;

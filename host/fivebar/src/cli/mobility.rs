@@ -5,7 +5,7 @@ use super::say::say;
 use fivebar_files::did_you_mean;
 use fivebar_files::mobility::{EXAMPLES, MobilityCase, parse, read};
 use fivebar_files::text_file::STANDARD_INPUT;
-use fivebar_report::output::write_whole;
+use fivebar_report::output::write_in;
 use fivebar_report::pages;
 use fivebar_report::study::mobility::{MobilityAnalysis, analyse, answer};
 use fivebar_report::text::explain;
@@ -40,8 +40,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .collect();
     bar.finish_and_clear();
     if let Some(folder) = &args.out {
-        let path = folder.join("report.html");
-        write_whole(&path, pages::mobility(&studied).render()).map_err(refused)?;
+        write_in(folder, "report.html", pages::mobility(&studied).render()).map_err(refused)?;
     }
     for (study, analysis) in &studied {
         if args.json {

@@ -48,6 +48,7 @@ mod sim;
 mod value_error;
 mod workspace;
 
+use crate::job_process;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use say::warn;
 use std::process::ExitCode;
@@ -106,6 +107,12 @@ fn command() -> clap::Command {
 
 /// Parses the arguments, runs the command and reports its failure.
 pub fn main() -> ExitCode {
+    if std::env::args_os()
+        .nth(1)
+        .is_some_and(|it| it == job_process::COMMAND)
+    {
+        return job_process::main();
+    }
     let parsed = Cli::from_arg_matches(&command().get_matches());
     let cli = parsed.unwrap_or_else(|error| error.exit());
     let outcome: Result<(), Failure> = match cli.command {

@@ -10,8 +10,8 @@ use std::path::PathBuf;
 /// The options for the results of a run.
 #[derive(clap::Args)]
 pub(super) struct OutputArgs {
-    /// The folder for report.html, trace.csv and summary.json; by default out/ with the name of
-    /// the command.
+    /// The folder for report.html, trace.csv and summary.json, which replace what has these names there, symbolic links
+    /// too; by default out/ with the name of the command.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

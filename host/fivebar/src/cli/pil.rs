@@ -1,8 +1,9 @@
 //! `fivebar pil`: the firmware on an emulated Cortex-M4F, in lockstep with the simulated arm.
 
 use super::failure::{Failure, refused};
-use super::lockstep::{self, LockstepArgs, RemoteController, image_of};
+use super::lockstep::{self, LockstepArgs, RemoteController};
 use fivebar_sim::link::Emulator;
+use fivebar_sim::machine::Machine;
 use std::path::PathBuf;
 
 /// Runs a job on the firmware on an emulated board, in lockstep with the simulated arm.
@@ -20,10 +21,9 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let scenario = args.run.scenario()?;
-    let image = args
-        .image
-        .clone()
-        .unwrap_or_else(|| Emulator::built_image(image_of(&scenario.robot)));
+    let image = args.image.clone().unwrap_or_else(|| {
+        Emulator::built_image(Machine::of(scenario.robot.drive_kind()).emulated)
+    });
     let board = RemoteController {
         name: "the emulated board",
         command: "pil",

@@ -6,7 +6,7 @@ use super::say::{say, warn};
 use super::value_error::ValueError;
 use fivebar_files::path_case::PathCase;
 use fivebar_files::robot::{BuiltIn, Robot};
-use fivebar_report::output::write_whole;
+use fivebar_report::output::write_in;
 use fivebar_report::pages;
 use fivebar_report::study::crossing;
 use fivebar_report::study::plan::PlanStudy;
@@ -103,7 +103,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(folder) = &args.out {
         let regions = regions::regions(&robot).map_err(refused)?;
         let page = pages::crossing(&plan, [from, to], task.mode, &regions).render();
-        write_whole(&folder.join("report.html"), page).map_err(refused)?;
+        write_in(folder, "report.html", page).map_err(refused)?;
     }
     if args.json {
         return say(crossing::answer(&plan, &controller, run.as_ref()));
@@ -152,7 +152,7 @@ fn along_path(args: &Args, path: &Path) -> Result<(), Failure> {
     if let Some(folder) = &args.out {
         let name = case.name.as_deref().unwrap_or("the path");
         let page = pages::plan(&study, name).render();
-        write_whole(&folder.join("report.html"), page).map_err(refused)?;
+        write_in(folder, "report.html", page).map_err(refused)?;
     }
     if args.json {
         return say(study.answer());

@@ -72,6 +72,17 @@ fn cause(reset: Reset) -> &'static str {
     }
 }
 
+/// The signals that end a program, other than those of `ctrlc`: also those that write a core, and those that mean
+/// nothing to this program. Those of a fault of the processor cannot be handled: after them, as after `kill -9`, the
+/// controller's command timeout stops the arm.
+#[cfg(unix)]
+const OTHER_SIGNALS: [i32; 10] = {
+    use signal_hook::consts::*;
+    [
+        SIGQUIT, SIGABRT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGXCPU, SIGXFSZ,
+    ]
+};
+
 /// A flag that becomes true at the first signal to end: Ctrl-C, or the system's, as from `kill`, from
 /// a service manager, or from a terminal that closes. Another signal changes nothing: the arm comes to
 /// rest already.
@@ -85,5 +96,10 @@ pub(super) fn interrupted() -> Result<Arc<AtomicBool>, Failure> {
         }
     })
     .map_err(|error| refused(format_args!("cannot handle Ctrl-C: {error}")))?;
+    #[cfg(unix)]
+    for signal in OTHER_SIGNALS {
+        let handled = signal_hook::flag::register(signal, Arc::clone(&flag));
+        handled.map_err(|error| refused(format_args!("cannot handle signal {signal}: {error}")))?;
+    }
     Ok(flag)
 }

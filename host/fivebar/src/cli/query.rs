@@ -25,13 +25,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let mechanism = Mechanism::load(&args.robot).map_err(refused)?;
     if io::stdin().is_terminal() {
         warn(
-            "one JSON object a line, Ctrl-D ends; such as {\"op\": \"forward\", \"theta\": [2.4, 0.8]}",
+            "one JSON object a line, Ctrl-D ends; such as {\"op\": \"forward\", \"theta1\": 2.4, \"theta4\": 0.8, \"assembly\": \"left\"}",
         );
     }
     let (input, output) = (io::stdin().lock(), io::stdout().lock());
     match mechanism {
-        Mechanism::FiveBar(robot) => serve(input, output, |query| five_bar::answer(&robot, query)),
-        Mechanism::Slider(robot) => serve(input, output, |query| slider::answer(&robot, query)),
+        Mechanism::FiveBar(robot) => serve(input, output, &five_bar::KEYS, |query| {
+            five_bar::answer(&robot, query)
+        }),
+        Mechanism::Slider(robot) => serve(input, output, &slider::KEYS, |query| {
+            slider::answer(&robot, query)
+        }),
     }
     .map_err(|error| {
         refused(format_args!(

@@ -2,6 +2,7 @@
 
 use fivebar_files::robot::{CanMotor, CanProtocol, Draft, Motor, Motors, ServoMotor, StepperMotor};
 use fivebar_firmware::settings::AxisField;
+use fivebar_plant::DriverMode;
 use std::borrow::Cow;
 use std::str::FromStr;
 
@@ -106,7 +107,7 @@ pub(super) const ARM: [Question; 10] = [
     Question {
         text: Cow::Borrowed(
             "Motors: typical (brushed, 20 W), own (brushed, your data), stepper, can (torque drives on a CAN bus), servo (hobby \
-             servos), or ideal torque sources",
+             servos; a higher supply becomes 6 V), or ideal torque sources",
         ),
         default: |_| KINDS[0].into(),
         take: |draft, answer| {
@@ -114,13 +115,19 @@ pub(super) const ARM: [Question; 10] = [
                 0 | 1 => Motors::Brushed(Motor::TYPICAL),
                 2 => Motors::Steppers(StepperMotor::TYPICAL),
                 3 => Motors::CanDrives(CanMotor::TYPICAL),
-                4 => Motors::HobbyServos(ServoMotor::TYPICAL),
+                4 => {
+                    draft.voltage = draft.voltage.min(SERVO_SUPPLY);
+                    Motors::HobbyServos(ServoMotor::TYPICAL)
+                }
                 _ => Motors::Ideal,
             };
             Ok(())
         },
     },
 ];
+
+/// The supply that hobby servos have where the answer was a higher one, which is of other motors [V].
+const SERVO_SUPPLY: f64 = 6.0;
 
 /// The answers to the last question of the arm.
 const KINDS: [&str; 6] = ["typical", "own", "stepper", "can", "servo", "ideal"];
@@ -221,8 +228,29 @@ fn steppers() -> Vec<Question> {
         of_motor!(Steppers, resistance, "Resistance of a winding", ["Ω"]),
         of_motor!(Steppers, inductance, "Inductance of a winding", ["H"]),
         of_motor!(Steppers, rotor_inertia = RotorInertia),
+        DRIVER,
     ]
 }
+
+/// The question about what a stepper's driver gives.
+const DRIVER: Question = Question {
+    text: Cow::Borrowed(
+        "Drivers give the windings: current, or voltage (a TMC2209 as delivered, in StealthChop, which loses steps in motion; its \
+         pin SPREAD tied to VIO makes it a current drive)",
+    ),
+    default: |draft| match &draft.motors {
+        Motors::Steppers(motor) => motor.driver.to_string(),
+        _ => String::new(),
+    },
+    take: |draft, answer| {
+        let modes = [DriverMode::Current, DriverMode::Voltage];
+        let driver = modes[choice(answer, ["current", "voltage"])?];
+        if let Motors::Steppers(motor) = &mut draft.motors {
+            motor.driver = driver;
+        }
+        Ok(())
+    },
+};
 
 fn hobby_servos() -> Vec<Question> {
     vec![

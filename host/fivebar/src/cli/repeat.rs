@@ -9,7 +9,7 @@ use fivebar_files::scenario::{ControlLaw, Scenario};
 use fivebar_report::text::quantity;
 use fivebar_sim::learning::{Ended, LearningError, Memory, Repetition, repeat};
 use fivebar_sim::simulation::{
-    LearningSummary, Record, RunErrors, Simulate, Summary, TipError, fault_name,
+    LearningSummary, Record, RunErrors, Simulate, Summary, TipError, Verdict, fault_name,
 };
 use std::fs;
 
@@ -87,7 +87,15 @@ impl RepeatArgs {
         }
         let learning = learning(&ours, forgotten);
         let (summary, record) = ours.last;
+        let verdict = match ours.failed {
+            Some((run, verdict)) => Verdict {
+                why: verdict.why.map(|why| format!("run {run}: {why}")),
+                ..verdict
+            },
+            None => summary.verdict,
+        };
         let summary = Summary {
+            verdict,
             runs: ours.runs,
             pid_runs: pid.as_ref().map_or_else(Vec::new, |pid| pid.runs.clone()),
             pid_learns: pid.as_ref().is_some_and(|pid| pid.filter.is_some()),

@@ -67,7 +67,8 @@ pub(super) struct ReadingArgs {
     /// S of M3 and M4 at full power, as $30 of Grbl.
     #[arg(long, value_name = "S", default_value_t = 1000.0, value_parser = scale)]
     full_power: f64,
-    /// Speed along the strokes of an SVG per second, such as 50mm; by default the arm's greatest.
+    /// Speed along what is drawn, per second, such as 50mm, in place of the file's F; by default F, or the arm's
+    /// greatest where the file has none.
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     speed: Option<f64>,
     /// Fill the areas of an SVG with lines at 45° this far apart, such as 0.8mm; white ones stay empty. By default areas
@@ -107,6 +108,10 @@ fn dialect(text: &str) -> Result<Dialect, ValueError> {
 pub(super) struct RunArgs {
     #[command(flatten)]
     job: JobArgs,
+    /// Greatest distance of the tip from its place while it draws, such as 0.5mm: beyond it the job is not drawn, and
+    /// the exit status is 1. By default 1 mm, with hobby servos what their dead band and their delay allow.
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    tolerance: Option<f64>,
     #[command(flatten)]
     pub(super) output: OutputArgs,
 }
@@ -119,7 +124,10 @@ impl RunArgs {
 
     /// The scenario, with the changes by other options.
     pub(super) fn scenario(&self) -> Result<Scenario, Failure> {
-        self.job.scenario()
+        Ok(Scenario {
+            tolerance: self.tolerance,
+            ..self.job.scenario()?
+        })
     }
 }
 

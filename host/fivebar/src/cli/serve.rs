@@ -7,12 +7,15 @@ use super::say::{say, warn};
 use super::value_error::ValueError;
 use crate::bridge::{self, BridgeOptions};
 use crate::commission::Options;
+use crate::job_process::APART;
 use crate::senders::Endpoints;
 use crate::serve::commission::serve as guided;
 use crate::serve::{Guard, ServeError, ServeOptions, serve};
 use fivebar_files::robot::{BuiltIn, Robot};
+use fivebar_sim::clock::Clock;
 use fivebar_sim::controller::{ControllerSource, OpenError};
 use fivebar_sim::link::Emulator;
+use fivebar_sim::machine::Machine;
 use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -72,10 +75,10 @@ pub(super) struct ControllerArgs {
 }
 
 impl ControllerArgs {
-    /// The image of the emulated board.
-    pub(super) fn image(&self) -> PathBuf {
+    /// The image of the emulated board, for the drives of this robot.
+    pub(super) fn image(&self, robot: &Robot) -> PathBuf {
         let image = self.image.clone();
-        image.unwrap_or_else(|| Emulator::built_image("qemu"))
+        image.unwrap_or_else(|| Emulator::built_image(Machine::of(robot.drive_kind()).emulated))
     }
 
     /// The controller that is asked for.
@@ -92,11 +95,11 @@ impl ControllerArgs {
 }
 
 /// The failure, with its likely cause where the board is emulated.
-pub(super) fn described(error: OpenError, args: &ControllerArgs) -> Failure {
+pub(super) fn described(error: OpenError, args: &ControllerArgs, robot: &Robot) -> Failure {
     match error {
         OpenError::Link(_) | OpenError::Refused(_) if args.emulated => refused(format_args!(
             "{error}; {}",
-            Emulator::likely_cause(&args.image())
+            Emulator::likely_cause(&args.image(robot))
         )),
         other => refused(other),
     }
@@ -132,7 +135,7 @@ fn commission(args: &Args, out: &Path) -> Result<(), Failure> {
     };
     let interrupted = interrupted()?;
     let ends = move || interrupted.load(Ordering::Relaxed);
-    guided(&options, args.listen, guard, ready, ends).map_err(refused)
+    guided(&options, args.listen, guard, Clock::real(), ready, ends).map_err(refused)
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -140,10 +143,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return commission(args, out);
     }
     let robot = Robot::load(&args.controller.robot).map_err(refused)?;
-    robot.brushed().map_err(refused)?;
     let guard = Guard::with_new_token().map_err(refused)?;
     let query = format!("?token={}", guard.token());
-    let image = args.controller.image();
+    let image = args.controller.image(&robot);
     let source = args.controller.source(&image);
     let ready = |address, endpoints: Option<&Endpoints>| {
         say(format_args!(
@@ -166,11 +168,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         guard,
         senders: bridge::for_pages(args.senders.map(BridgeOptions::at)),
         time_optimal: args.time_optimal.then_some(args.torque_share),
+        jobs: APART,
+        clock: Clock::real(),
     };
     let served = serve(&robot, source, options, ready, ends);
     served.map_err(|error| match error {
-        ServeError::Open(error) => described(error, &args.controller),
-        ServeError::Link(error) => described(error.into(), &args.controller),
+        ServeError::Open(error) => described(error, &args.controller, &robot),
+        ServeError::Link(error) => described(error.into(), &args.controller, &robot),
         other => refused(other),
     })
 }

@@ -8,9 +8,10 @@ use super::say::{say, warn};
 use fivebar_files::job::Job;
 use fivebar_files::scenario::Scenario;
 use fivebar_report::pages::RunReport;
-use fivebar_report::text::{self, conditions, fault_and_next_step, quantity, stopped_by};
+use fivebar_report::text::{self, conditions, fault_and_next_step, not_drawn, quantity};
+use fivebar_sim::machine::{Machine, Signal};
 use fivebar_sim::simulation::{
-    CauseError, Record, RunError, ServoLimits, Simulate, Summary, TipError,
+    CauseError, Record, RunError, ServoLimits, Simulate, Summary, TipError, Verdict,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -47,6 +48,9 @@ pub(super) fn simulate(
     scenario
         .check(&job)
         .map_err(|error| refusal(scenario, &error))?;
+    if let Some(warning) = scenario.robot.voltage_driver_warning() {
+        warn(format_args!("{}: {warning}", scenario.robot.name));
+    }
     let bar = progress_bar(path_lengths(scenario, &job).last().copied());
     let progress = &mut |done| bar.set_position(millimetres(done));
     let compared = match repeat.runs() {
@@ -82,10 +86,10 @@ pub(super) fn simulate(
     if output.json {
         say(serde_json::to_string(&summary).map_err(refused)?)?;
     } else {
-        print(&summary, &record)?;
+        print(&Machine::of(scenario.robot.drive_kind()), &summary, &record)?;
         print_runs(&summary)?;
     }
-    outcome(scenario, &record)
+    outcome(scenario, &record, &summary.verdict)
 }
 
 fn run_once(
@@ -113,8 +117,13 @@ pub(super) fn refusal(scenario: &Scenario, error: &RunError) -> Failure {
     refused(text::refusal(scenario, error))
 }
 
-pub(super) fn outcome(scenario: &Scenario, record: &Record) -> Result<(), Failure> {
-    stopped_by(scenario, record).map_or(Ok(()), |reason| Err(refused(reason)))
+/// A run whose job was not drawn has failed, with the reason.
+pub(super) fn outcome(
+    scenario: &Scenario,
+    record: &Record,
+    verdict: &Verdict,
+) -> Result<(), Failure> {
+    not_drawn(scenario, record, verdict).map_or(Ok(()), |reason| Err(refused(reason)))
 }
 
 /// The length of the path at the end of each step, from home on [m].
@@ -136,7 +145,7 @@ pub(super) fn progress_bar(length: Option<f64>) -> ProgressBar {
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
+pub(super) fn print(machine: &Machine, summary: &Summary, record: &Record) -> Result<(), Failure> {
     let Summary {
         robot, scenario, ..
     } = summary;
@@ -151,6 +160,7 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
         summary.speed()
     ))?;
     if record.begun.is_some() {
+        print_verdict(&summary.verdict)?;
         print_errors(summary)?;
     }
     for CauseError {
@@ -167,9 +177,16 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
         ))?;
     }
     let [torque1, torque4] = summary.peak_torque_nm.map(|torque| quantity(torque, "N·m"));
+    let share = summary.torque_share.map_or_else(String::new, |share| {
+        format!(", {:.0} % of the {}", 100.0 * share, machine.torque_limit)
+    });
+    let limited = match machine.shows.contains(&Signal::Current) {
+        true => format!(", limited in {} ticks", summary.saturated_ticks),
+        // A controller of drives that follow a motion limits none.
+        false => String::new(),
+    };
     say(format_args!(
-        "  torque      {torque1} and {torque4} max, limited in {} ticks",
-        summary.saturated_ticks
+        "  torque      {torque1} and {torque4} max{share}{limited}"
     ))?;
     if let Some([lost1, lost4]) = summary.lost_steps {
         say(format_args!("  lost steps  {lost1} and {lost4} full steps"))?;
@@ -195,6 +212,15 @@ pub(super) fn print(summary: &Summary, record: &Record) -> Result<(), Failure> {
         summary.out_dir
     ))?;
     Ok(())
+}
+
+fn print_verdict(verdict: &Verdict) -> Result<(), Failure> {
+    let [worst, allowed] =
+        [verdict.worst_m, verdict.tolerance_m].map(|length| quantity(length, "m"));
+    let drawn = if verdict.drawn { "yes" } else { "no" };
+    say(format_args!(
+        "  drawn       {drawn}: the tip was up to {worst} from its place while it drew, {allowed} allowed"
+    ))
 }
 
 fn print_errors(summary: &Summary) -> Result<(), Failure> {

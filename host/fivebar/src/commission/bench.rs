@@ -4,6 +4,7 @@ use super::StepError;
 use super::line::Line;
 use super::log::LogRows;
 use super::operator::{Operator, Task};
+use super::question::{Answer, Question};
 use fivebar_files::measurements::read_columns;
 use fivebar_files::robot::{Actuator, HomeMethod, Robot};
 use fivebar_firmware::controller::{Excitation, ExcitationEnd, Excited};
@@ -15,6 +16,7 @@ use fivebar_kinematics::five_bar::Joint;
 use fivebar_report::output::write_whole;
 use fivebar_sim::drive::{Drive, Homing};
 use fivebar_sim::link::Client;
+use fivebar_sim::machine::{Machine, Signal};
 use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -155,6 +157,21 @@ impl Bench {
         }
     }
 
+    /// The joint that was farthest from its motion when the fault was latched, if one is.
+    pub(super) fn farthest_at_fault(&mut self) -> Option<Joint> {
+        match self.client.call(HostCommand::Snapshot) {
+            Ok(Reply::Snapshot(Some(latched))) => {
+                let [error1, error4] = latched.error.map(f32::abs);
+                Some(if error1 > error4 {
+                    Joint::Joint1
+                } else {
+                    Joint::Joint4
+                })
+            }
+            _ => None,
+        }
+    }
+
     /// The drive of a joint.
     pub(super) fn drive(&self, joint: Joint) -> Result<Actuator, StepError> {
         self.robot
@@ -215,6 +232,27 @@ impl Bench {
         Ok(())
     }
 
+    /// Asks what somebody sees or feels.
+    pub(super) fn see(&mut self, question: Question) -> Result<Answer, StepError> {
+        self.operator.see(&question)
+    }
+
+    /// Switches the powered arm off, and waits until it is.
+    pub(super) fn power_off(&mut self) -> Result<(), StepError> {
+        Ok(Drive::new(&mut self.client, &|| false).end_hold()?)
+    }
+
+    /// Whether the controller measures this of the robot's drives.
+    pub(super) fn shows(&self, signal: Signal) -> bool {
+        Machine::of(self.robot.drive_kind()).shows.contains(&signal)
+    }
+
+    /// Whether the counts follow a joint that a hand turns without power.
+    pub(super) fn counts_by_hand(&self) -> bool {
+        let only_told = self.robot.has_steppers() || self.robot.hobby_servos().is_some();
+        !only_told || self.robot.has_steppers_with_encoders()
+    }
+
     /// A request that must be granted.
     pub(super) fn request(&mut self, request: Request) -> Result<(), StepError> {
         let command = HostCommand::Request(request);
@@ -249,18 +287,27 @@ impl Bench {
         if let Some(fault) = self.client.status()?.0.fault {
             return Err(StepError::Fault(fault));
         }
-        Drive::new(&mut self.client, &|| false).store_settings(&self.settings)?;
+        let mut drive = Drive::new(&mut self.client, &|| false);
+        drive.end_hold()?;
+        drive.store_settings(&self.settings)?;
+        // Until its next heartbeat a drive on a bus counts as silent.
+        if self.robot.can_drives().is_some() {
+            self.pause(0.05)?;
+        }
         Ok(())
     }
 
     /// Homes the arm by the robot file's method, unless it is homed.
     pub(super) fn home(&mut self) -> Result<(), StepError> {
-        let by_hand = self.robot.homing.method == HomeMethod::Given;
-        if by_hand && !self.client.status()?.0.homed {
+        // A servo turns to its home at full speed when it gets its first pulse.
+        let by_hand =
+            self.robot.homing.method == HomeMethod::Given || self.robot.hobby_servos().is_some();
+        let asked = by_hand && !self.client.status()?.0.homed;
+        if asked {
             self.ask(Task::Home)?;
         }
-        Drive::new(&mut self.client, &|| false).home(Homing::Switches)?;
-        if by_hand {
+        Drive::new(&mut self.client, &|| false).home(Homing::IfUnknown)?;
+        if asked {
             self.ask(Task::LetGo)?;
         }
         Ok(())

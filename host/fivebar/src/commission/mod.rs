@@ -7,6 +7,7 @@ mod line;
 mod log;
 mod observer;
 mod operator;
+mod question;
 mod record;
 mod simulated;
 mod steps;
@@ -14,7 +15,7 @@ mod steps;
 pub(super) use finding::StepError;
 pub(super) use operator::Output;
 pub(super) use record::Done;
-pub(super) use steps::{STEPS, Step};
+pub(super) use steps::{Step, named, names};
 
 use bench::Bench;
 use fivebar_files::robot::{Robot, measured_text, text_of, today};
@@ -22,7 +23,8 @@ use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
-use fivebar_sim::link::{Client, LinkError, SerialLine};
+use fivebar_sim::link::{Client, LinkError, SerialLine, motors_of};
+use fivebar_sim::machine::Machine;
 use line::{Line, Stoppable};
 use operator::Operator;
 use record::Record;
@@ -47,6 +49,8 @@ pub(super) struct Options {
 
 /// A commissioning in progress.
 pub(super) struct Commissioning {
+    /// Those of its drives.
+    steps: &'static [Step],
     bench: Bench,
     record: Record,
     /// The robot file with what was measured so far, and its name.
@@ -68,7 +72,16 @@ impl Commissioning {
     ) -> Result<Self, StepError> {
         let drawing = text_of(&options.robot).map_err(StepError::other)?;
         let drawn = Robot::load(&options.robot).map_err(StepError::other)?;
-        drawn.brushed().map_err(StepError::other)?;
+        let (steps, machine) = (
+            steps::of(drawn.drive_kind()),
+            Machine::of(drawn.drive_kind()),
+        );
+        if steps.is_empty() {
+            return Err(StepError::Other(format!(
+                "robot `{}` has {}, and there are no steps for these yet",
+                drawn.name, machine.motors
+            )));
+        }
         let record = Record::open(&options.out, &options.robot, &drawing)?;
         let text = record.robot_text()?.unwrap_or(drawing);
         let file = record.robot_path().display().to_string();
@@ -81,11 +94,23 @@ impl Commissioning {
         }
         let (line, operator) = connect(options, &drawn, output)?;
         let line: Box<dyn Line> = Box::new(Stoppable::new(line, Arc::clone(&stop)));
-        let (client, _) = Client::open(line)?;
+        let (client, identity) = Client::open(line)?;
+        if !machine.fits(identity.board) {
+            return Err(StepError::Other(format!(
+                "the controller is for {} and the robot has {}: {}",
+                motors_of(identity.board),
+                machine.motors,
+                match machine.board {
+                    Some(image) => format!("write the image `{image}` to the board"),
+                    None => "no image drives these yet, so give --port simulated".into(),
+                }
+            )));
+        }
         let mut bench = Bench::new(client, operator, drawn, robot, options.points.clone())?;
         bench.holes_file = record.holes_path();
         bench.placement = record.placement();
         Ok(Self {
+            steps,
             bench,
             record,
             text,
@@ -94,14 +119,35 @@ impl Commissioning {
         })
     }
 
+    /// The steps, in their order.
+    pub(super) fn steps(&self) -> &'static [Step] {
+        self.steps
+    }
+
+    /// The place of a step in their order.
+    ///
+    /// # Errors
+    /// Arms with other drives have it.
+    pub(super) fn place(&self, name: &str) -> Result<usize, StepError> {
+        let place = self.steps.iter().position(|step| step.name == name);
+        place.ok_or_else(|| {
+            let names: Vec<&str> = self.steps.iter().map(|step| step.name).collect();
+            StepError::Other(format!(
+                "this arm has no step {name}; its steps are {}",
+                names.join(", ")
+            ))
+        })
+    }
+
     /// Forgets this step and those after it.
-    pub(super) fn forget_from(&mut self, again: &str) {
-        let from = STEPS.iter().position(|step| step.name == again);
-        let names: Vec<&str> = STEPS[from.unwrap_or(0)..]
-            .iter()
-            .map(|step| step.name)
-            .collect();
+    ///
+    /// # Errors
+    /// Arms with other drives have it.
+    pub(super) fn forget_from(&mut self, again: &str) -> Result<(), StepError> {
+        let from = self.place(again)?;
+        let names: Vec<&str> = self.steps[from..].iter().map(|step| step.name).collect();
         self.record.forget_from(&names);
+        Ok(())
     }
 
     /// What a step found, if it is done.
@@ -116,7 +162,9 @@ impl Commissioning {
 
     /// The first step that is not done.
     pub(super) fn next(&self) -> Option<&'static Step> {
-        STEPS.iter().find(|step| self.done(step.name).is_none())
+        self.steps
+            .iter()
+            .find(|step| self.done(step.name).is_none())
     }
 
     /// Clears a fault of before and sends the settings, before the first step.
@@ -222,5 +270,5 @@ fn connect(
         ))?;
     }
     let (line, actions) = simulated::arm(&scenario, drawn)?;
-    Ok((Box::new(line), Operator::new(output, Some(actions))))
+    Ok((line, Operator::new(output, Some(actions))))
 }

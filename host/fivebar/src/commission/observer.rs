@@ -1,7 +1,6 @@
 //! What the simulated arm itself went through, step by step: its own energies and angles, which no
 //! sensor and no wiring can falsify.
 
-use fivebar_firmware::ActuatorCommand;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Plant;
 use serde::Serialize;
@@ -18,7 +17,7 @@ struct StepExtremes {
     powered_s: f64,
     /// Greatest kinetic energy of the arm with its rotors [J].
     kinetic_energy_j: f64,
-    /// Most heat in both windings while the bridges were on without a pause [J].
+    /// Most heat in both windings while the bridges were on without a pause [J]; 0 of other motors than brushed ones.
     heat_j: f64,
     /// Greatest distance of joints 1 and 4 from where they were when the bridges went on [rad].
     travel_rad: [f64; 2],
@@ -68,15 +67,15 @@ impl Observer {
         self.steps.push(StepExtremes::new(step));
     }
 
-    /// Observes a tick of `period` [s] with these outputs.
-    pub(super) fn observe(&mut self, plant: &Plant, command: &ActuatorCommand, period: f64) {
+    /// Observes a tick of `period` [s] in which the drives may have power, or none.
+    pub(super) fn observe(&mut self, plant: &Plant, powered: bool, period: f64) {
         let Some(step) = self.steps.last_mut() else {
             return;
         };
         let state = plant.state();
         let energy = plant.model().kinetic_energy(state);
         step.kinetic_energy_j = step.kinetic_energy_j.max(energy);
-        if command.enable == [false; 2] {
+        if !powered {
             self.span = None;
             return;
         }

@@ -1,6 +1,7 @@
 //! Who does by hand what a step asks for: a person, or the simulated operator.
 
 use super::StepError;
+use super::question::{Answer, Question};
 use super::simulated::OperatorActions;
 use fivebar_kinematics::five_bar::Joint;
 
@@ -21,6 +22,14 @@ pub(super) enum Task {
     Hole(usize, [f64; 2]),
     /// Hold the arm at its home angles.
     Home,
+    /// Turn the joints to about these angles [rad].
+    Place([f64; 2]),
+    /// Mark on the paper where the tip is, with this number.
+    Mark(usize),
+    /// Set the current of both drivers.
+    SetCurrent,
+    /// Set both drives on a bus.
+    SetDrives,
     /// Let go of the arm.
     LetGo,
 }
@@ -50,6 +59,22 @@ impl Task {
                 1e3 * y
             ),
             Self::Home => "Put the arm at its home angles with its jig and hold it there".into(),
+            Self::Place([theta1, theta4]) => format!(
+                "Turn the arm by hand until the crank of joint 1 points to about {:.0}° and that of joint 4 to about {:.0}°, \
+                 both counted counter-clockwise from the line from joint 1 to joint 4",
+                theta1.to_degrees(),
+                theta4.to_degrees()
+            ),
+            Self::Mark(number) => format!(
+                "Mark on the paper the place where the tip is, and write {} beside it",
+                number + 1
+            ),
+            Self::SetCurrent => {
+                "Set both drivers to this current, and measure what you have set".into()
+            }
+            Self::SetDrives => {
+                "Set both drives to these values by their maker's program, and store them".into()
+            }
             Self::LetGo => "Let go of the arm and keep clear of it".into(),
         }
     }
@@ -68,6 +93,12 @@ pub(crate) trait Output: Send {
     /// # Errors
     /// Nobody is there any more, or a stop.
     fn ask(&mut self, task: &str, simulated: bool) -> Result<(), StepError>;
+
+    /// Asks a person a question and returns the index of the answer.
+    ///
+    /// # Errors
+    /// Nobody is there any more, or a stop.
+    fn choose(&mut self, question: &str, answers: &[String]) -> Result<usize, StepError>;
 }
 
 /// Who does the tasks: a person, or the simulated operator.
@@ -101,6 +132,27 @@ impl Operator {
         }
     }
 
+    /// A motion begins of which will be asked: the simulated operator looks.
+    pub(super) fn look(&self) {
+        if let Some(actions) = &self.actions {
+            actions.look();
+        }
+    }
+
+    /// What a person has seen, or the simulated operator.
+    pub(super) fn see(&mut self, question: &Question) -> Result<Answer, StepError> {
+        let text = format!("{}?", question.text());
+        if let Some(actions) = &self.actions {
+            self.output.ask(&text, true)?;
+            return Ok(actions.seen(question));
+        }
+        let answers = question.answers();
+        let words: Vec<String> = answers.iter().map(|(_, words)| words.clone()).collect();
+        let chosen = self.output.choose(&text, &words)?;
+        let answer = answers.get(chosen).map(|(answer, _)| *answer);
+        answer.ok_or_else(|| StepError::other("there is no such answer"))
+    }
+
     /// What follows belongs to this step.
     pub(super) fn begin_step(&self, step: &'static str) {
         if let Some(actions) = &self.actions {
@@ -119,5 +171,57 @@ impl Operator {
     /// Whether the task is done.
     pub(super) fn is_done(&self) -> bool {
         self.actions.as_ref().is_none_or(OperatorActions::is_done)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Operator, Output, StepError};
+    use crate::commission::question::{Answer, Question};
+    use fivebar_kinematics::five_bar::Joint;
+
+    /// A person who always gives the answer with these words.
+    struct Person(&'static str);
+
+    impl Output for Person {
+        fn report(&mut self, _: &str) -> Result<(), StepError> {
+            Ok(())
+        }
+
+        fn ask(&mut self, _: &str, _: bool) -> Result<(), StepError> {
+            Ok(())
+        }
+
+        fn choose(&mut self, question: &str, answers: &[String]) -> Result<usize, StepError> {
+            assert!(question.ends_with('?'), "{question}");
+            let found = answers.iter().position(|answer| answer == self.0);
+            found.ok_or_else(|| StepError::other(answers.join(", ")))
+        }
+    }
+
+    #[test]
+    fn a_person_sees_what_the_chosen_words_say() {
+        for (words, question, wanted) in [
+            ("it is held", Question::IsHeld(Joint::Joint1), Answer::Held),
+            (
+                "joint 1 turned",
+                Question::Way(Joint::Joint4, 0.1),
+                Answer::OtherJoint,
+            ),
+            (
+                "it turned clockwise",
+                Question::Way(Joint::Joint4, -0.1),
+                Answer::AsAsked,
+            ),
+            (
+                "by about 10°",
+                Question::Far(Joint::Joint1, 20_f64.to_radians()),
+                Answer::Share(0.5),
+            ),
+            ("yes", Question::Moves(Joint::Joint1), Answer::Moved),
+        ] {
+            let mut operator = Operator::new(Box::new(Person(words)), None);
+            assert_eq!(operator.see(&question).unwrap(), wanted, "{words}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 //! written whole after each step, so a run that is killed goes on where it stopped.
 
 use super::StepError;
-use fivebar_report::output::write_whole;
+use fivebar_report::output::write_in;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -187,24 +187,23 @@ impl Record {
 
     /// Writes the picture of a step, `STEP.svg`.
     pub(super) fn draw(&self, step: &str, picture: &str) -> Result<(), StepError> {
-        let path = self.folder.join(format!("{step}.svg"));
-        write_whole(&path, picture).map_err(StepError::other)
+        write_in(&self.folder, &format!("{step}.svg"), picture).map_err(StepError::other)
     }
 
     /// Writes what the simulated arm went through since this run began.
     pub(super) fn write_simulated(&self, seen: &str) -> Result<(), StepError> {
-        write_whole(&self.folder.join(SIMULATED), seen).map_err(StepError::other)
+        write_in(&self.folder, SIMULATED, seen).map_err(StepError::other)
     }
 
     /// Writes the robot file, then the record with this step. Killed between the two, the next run
     /// does the step again.
     pub(super) fn add(&mut self, done: Done, robot: Option<&str>) -> Result<(), StepError> {
         if let Some(text) = robot {
-            write_whole(&self.robot_path(), text).map_err(StepError::other)?;
+            write_in(&self.folder, ROBOT, text).map_err(StepError::other)?;
         }
         self.steps.push(done);
         let text = serde_json::to_string_pretty(self).map_err(StepError::other)?;
-        write_whole(&self.folder.join(RECORD), text + "\n").map_err(StepError::other)
+        write_in(&self.folder, RECORD, text + "\n").map_err(StepError::other)
     }
 }
 

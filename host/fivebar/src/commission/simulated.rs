@@ -1,21 +1,24 @@
 //! The simulated arm behind a controller in this process, and what an operator does with it.
 
 use super::StepError;
+use super::line::Line;
 use super::observer::Observer;
 use super::operator::Task;
+use super::question::{Answer, Question};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::{ActuatorCommand, SensorSample};
+use fivebar_firmware::drives::DriveInterface;
+use fivebar_firmware::{ArmCommand, ArmSample};
 use fivebar_kinematics::five_bar::{Geometry, Joint, Pose, Side, WorkingMode};
-use fivebar_plant::{Hands, Plant};
-use fivebar_sim::link::Loopback;
-use fivebar_sim::simulation::Simulate;
+use fivebar_plant::Hands;
+use fivebar_sim::link::{EmulatedDrives, Loopback};
+use fivebar_sim::simulation::{ByHand, SimulatedArm, WithArm, with_arm};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Ticks for which the operator moves the arm: at 10 kHz, 0.2 s.
-const MOVING_TICKS: u32 = 2000;
+/// Time for which the operator moves the arm [s].
+const MOVING: f64 = 0.2;
 
 /// A motion of the arm by hand.
 #[derive(Clone, Copy)]
@@ -27,13 +30,15 @@ enum HandMotion {
 }
 
 /// The arm and what the operator does with it.
-struct Held {
-    plant: Plant,
+struct Held<P> {
+    arm: P,
     /// The lengths as they are.
     geometry: Geometry<f64>,
     assembly: Side,
     mode: WorkingMode,
     period: f64,
+    /// Ticks of a motion by hand.
+    moving_ticks: u32,
     hands: Hands,
     /// The motions that are left and the ticks of the first one; none if nobody holds the arm.
     motion: Option<(Vec<HandMotion>, u32)>,
@@ -41,36 +46,53 @@ struct Held {
     middle: [f64; 2],
     /// The home angles of its jig [rad].
     home: [f64; 2],
+    /// The joints' angles when the operator began to look [rad].
+    looked_from: [f64; 2],
     observer: Observer,
+}
+
+/// What an operator does with an arm, whatever turns its joints.
+trait Handled: Send {
+    fn begin(&mut self, task: &Task) -> Result<(), StepError>;
+    fn look(&mut self);
+    fn seen(&self, question: &Question) -> Answer;
+    fn tool(&self) -> [f64; 2];
+    fn observer(&mut self) -> &mut Observer;
+    fn is_done(&self) -> bool;
 }
 
 /// The actions of an operator at the simulated arm.
 #[derive(Clone)]
-pub(super) struct OperatorActions(Arc<Mutex<Held>>);
+pub(super) struct OperatorActions(Arc<Mutex<dyn Handled>>);
 
-impl Held {
-    fn tick(&mut self, command: &ActuatorCommand) -> SensorSample {
-        self.plant.press(self.hands);
+impl<P: SimulatedArm + ByHand> Held<P> {
+    fn tick(
+        &mut self,
+        command: &ArmCommand<<P::Interface as DriveInterface>::Command>,
+    ) -> ArmSample<<P::Interface as DriveInterface>::Sample> {
+        self.arm.plant_mut().press(self.hands);
         match &mut self.motion {
-            None => self.plant.step(command, self.period),
+            None => self.arm.step(command, self.period),
             Some((motions, ticks)) => {
                 *ticks += 1;
-                if *ticks > MOVING_TICKS && motions.len() > 1 {
+                if *ticks > self.moving_ticks && motions.len() > 1 {
                     motions.remove(0);
                     *ticks = 1;
                 }
-                let s = (f64::from(*ticks) / f64::from(MOVING_TICKS)).min(1.0);
+                let s = (f64::from(*ticks) / f64::from(self.moving_ticks)).min(1.0);
                 let share = s * s * (3.0 - 2.0 * s);
                 let pose = motions.first().and_then(|motion| {
                     motion.pose(share, &self.geometry, self.assembly, self.mode)
                 });
                 if let Some(pose) = pose {
-                    self.plant.hold_by_hand(&pose, self.period);
+                    self.arm.hold_by_hand(&pose, command, self.period);
                 }
             }
         }
-        self.observer.observe(&self.plant, command, self.period);
-        self.plant.sense()
+        let powered = command.enable != [false; 2];
+        self.observer
+            .observe(self.arm.plant(), powered, self.period);
+        self.arm.sense()
     }
 
     /// Whether the arm can be moved like this, without a jump.
@@ -93,7 +115,7 @@ impl Held {
 
     /// Begins to move the arm to these angles, where C is at `place`.
     fn move_to(&mut self, to: [f64; 2], place: [f64; 2]) -> Result<(), StepError> {
-        let from = Joint::ALL.map(|joint| self.plant.angle(joint));
+        let from = Joint::ALL.map(|joint| self.arm.angle(joint));
         let now = self.geometry.forward(from[0], from[1], self.assembly);
         let now = now.map_err(StepError::other)?;
         let direct = [
@@ -120,6 +142,12 @@ impl Held {
         self.motion = Some((motions, 0));
         Ok(())
     }
+
+    /// Begins to move the arm to these angles [rad].
+    fn move_to_angles(&mut self, to: [f64; 2]) -> Result<(), StepError> {
+        let pose = self.geometry.forward(to[0], to[1], self.assembly);
+        self.move_to(to, pose.map_err(StepError::other)?.c.into())
+    }
 }
 
 impl HandMotion {
@@ -144,68 +172,99 @@ impl HandMotion {
     }
 }
 
+impl<P: SimulatedArm + ByHand + Send> Handled for Held<P> {
+    fn begin(&mut self, task: &Task) -> Result<(), StepError> {
+        match *task {
+            Task::PressStop => self.hands.emergency_stop = true,
+            Task::ReleaseStop => self.hands.emergency_stop = false,
+            Task::PressSwitch(joint) => self.hands.home[joint] = true,
+            Task::ReleaseSwitches => self.hands.home = [false; 2],
+            Task::Turn(joint, by) => {
+                let mut to = Joint::ALL.map(|joint| self.arm.angle(joint));
+                to[joint] += by;
+                self.move_to_angles(to)?;
+            }
+            Task::Hole(_, place) => {
+                let pose = self.geometry.inverse(Vector2::from(place), self.mode);
+                let angles = pose.map_err(StepError::other)?.angles();
+                let to = Joint::ALL.map(|joint| {
+                    let (now, angle) = (self.arm.angle(joint), angles[3 * joint.index()]);
+                    angle + ((now - angle) / TAU).round() * TAU
+                });
+                self.move_to(to, place)?;
+            }
+            Task::Home => self.move_to_angles(self.home)?,
+            Task::Place(angles) => self.move_to_angles(angles)?,
+            Task::LetGo => self.motion = None,
+            // The mark is where the tip is, and drivers and drives are set as the scenario has them.
+            Task::Mark(_) | Task::SetCurrent | Task::SetDrives => {}
+        }
+        Ok(())
+    }
+
+    fn look(&mut self) {
+        self.looked_from = Joint::ALL.map(|joint| self.arm.angle(joint));
+    }
+
+    fn seen(&self, question: &Question) -> Answer {
+        let turned = Joint::ALL.map(|joint| self.arm.angle(joint) - self.looked_from[joint]);
+        question.seen(turned, self.arm.current().map(f64::abs))
+    }
+
+    fn tool(&self) -> [f64; 2] {
+        self.arm.tool()
+    }
+
+    fn observer(&mut self) -> &mut Observer {
+        &mut self.observer
+    }
+
+    fn is_done(&self) -> bool {
+        let rests = |(motions, ticks): &(Vec<HandMotion>, u32)| {
+            motions.len() == 1 && *ticks >= self.moving_ticks
+        };
+        self.motion.as_ref().is_none_or(rests)
+    }
+}
+
 impl OperatorActions {
-    fn held(&self) -> MutexGuard<'_, Held> {
+    fn held(&self) -> MutexGuard<'_, dyn Handled + 'static> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Begins a task.
     pub(super) fn begin(&self, task: &Task) -> Result<(), StepError> {
-        let mut held = self.held();
-        match *task {
-            Task::PressStop => held.hands.emergency_stop = true,
-            Task::ReleaseStop => held.hands.emergency_stop = false,
-            Task::PressSwitch(joint) => held.hands.home[joint] = true,
-            Task::ReleaseSwitches => held.hands.home = [false; 2],
-            Task::Turn(joint, by) => {
-                let mut to = Joint::ALL.map(|joint| held.plant.angle(joint));
-                to[joint] += by;
-                let pose = held.geometry.forward(to[0], to[1], held.assembly);
-                let place = pose.map_err(StepError::other)?.c.into();
-                held.move_to(to, place)?;
-            }
-            Task::Hole(_, place) => {
-                let pose = held.geometry.inverse(Vector2::from(place), held.mode);
-                let angles = pose.map_err(StepError::other)?.angles();
-                let to = Joint::ALL.map(|joint| {
-                    let (now, angle) = (held.plant.angle(joint), angles[3 * joint.index()]);
-                    angle + ((now - angle) / TAU).round() * TAU
-                });
-                held.move_to(to, place)?;
-            }
-            Task::Home => {
-                let to = held.home;
-                let pose = held.geometry.forward(to[0], to[1], held.assembly);
-                let place = pose.map_err(StepError::other)?.c.into();
-                held.move_to(to, place)?;
-            }
-            Task::LetGo => held.motion = None,
-        }
-        Ok(())
+        self.held().begin(task)
+    }
+
+    /// Looks where the joints are before they turn.
+    pub(super) fn look(&self) {
+        self.held().look();
+    }
+
+    /// What the operator sees and feels.
+    pub(super) fn seen(&self, question: &Question) -> Answer {
+        self.held().seen(question)
     }
 
     /// The true position of the arm's tool [m].
     pub(super) fn tool(&self) -> [f64; 2] {
-        self.held().plant.tool().into()
+        self.held().tool()
     }
 
     /// What follows belongs to this step.
     pub(super) fn begin_step(&self, step: &'static str) {
-        self.held().observer.begin(step);
+        self.held().observer().begin(step);
     }
 
     /// What happened to the arm in each step, as JSON.
     pub(super) fn observed(&self) -> Result<String, StepError> {
-        self.held().observer.report().map_err(StepError::other)
+        self.held().observer().report().map_err(StepError::other)
     }
 
     /// Whether the arm is where the task has it.
     pub(super) fn is_done(&self) -> bool {
-        let held = self.held();
-        let rests = |(motions, ticks): &(Vec<HandMotion>, u32)| {
-            motions.len() == 1 && *ticks >= MOVING_TICKS
-        };
-        held.motion.as_ref().is_none_or(rests)
+        self.held().is_done()
     }
 }
 
@@ -213,38 +272,64 @@ impl OperatorActions {
 pub(super) fn arm(
     scenario: &Scenario,
     robot: &Robot,
-) -> Result<(Loopback, OperatorActions), StepError> {
-    let settings = robot.settings().map_err(StepError::other)?;
-    let true_robot = scenario.arm();
-    let mismatch = &scenario.mismatch;
-    let mut lengths = true_robot.geometry.lengths();
-    let [l1, l2, l3, l4] = mismatch.link_length;
-    for (length, extra) in lengths
-        .iter_mut()
-        .zip([l1, l2, l3, l4, mismatch.base_length])
+) -> Result<(Box<dyn Line>, OperatorActions), StepError> {
+    with_arm(scenario, Handed { scenario, robot }).map_err(StepError::other)?
+}
+
+/// Gives an arm to a controller and to an operator.
+struct Handed<'a> {
+    scenario: &'a Scenario,
+    robot: &'a Robot,
+}
+
+impl WithArm for Handed<'_> {
+    type Output = Result<(Box<dyn Line>, OperatorActions), StepError>;
+
+    fn with<P>(self, mut arm: P) -> Self::Output
+    where
+        P: SimulatedArm<Interface: EmulatedDrives> + ByHand + Send + 'static,
     {
-        *length += extra;
+        let settings = self.robot.settings().map_err(StepError::other)?;
+        let true_robot = self.scenario.arm();
+        let mismatch = &self.scenario.mismatch;
+        let mut lengths = true_robot.geometry.lengths();
+        let [l1, l2, l3, l4] = mismatch.link_length;
+        for (length, extra) in lengths
+            .iter_mut()
+            .zip([l1, l2, l3, l4, mismatch.base_length])
+        {
+            *length += extra;
+        }
+        let geometry = Geometry::new(lengths).map_err(StepError::other)?;
+        let best = true_robot.best_point().map_err(StepError::other)?;
+        let middle = geometry.inverse(Vector2::from(best), true_robot.elbows);
+        let middle = middle.map_err(StepError::other)?.angles();
+        let plant = arm.plant_mut();
+        *plant = plant.clone().with_resolved_windings();
+        let held = Held {
+            looked_from: Joint::ALL.map(|joint| arm.angle(joint)),
+            arm,
+            middle: [middle[0], middle[3]],
+            home: Joint::ALL.map(|joint| true_robot.home[joint] + mismatch.home_error[joint]),
+            geometry,
+            assembly: true_robot.home_pose().map_err(StepError::other)?.assembly(),
+            mode: true_robot.elbows,
+            period: 1.0 / true_robot.control.tick_rate,
+            moving_ticks: (MOVING * true_robot.control.tick_rate) as u32,
+            hands: Hands::default(),
+            motion: None,
+            observer: Observer::new(),
+        };
+        let held = Arc::new(Mutex::new(held));
+        let moved = Arc::clone(&held);
+        let tick = move |command: &ArmCommand<<P::Interface as DriveInterface>::Command>| {
+            let mut held = moved.lock().unwrap_or_else(PoisonError::into_inner);
+            held.tick(command)
+        };
+        let line = Loopback::<P::Interface>::driving(&settings, Box::new(tick));
+        Ok((
+            Box::new(line.map_err(StepError::other)?),
+            OperatorActions(held),
+        ))
     }
-    let geometry = Geometry::new(lengths).map_err(StepError::other)?;
-    let best = true_robot.best_point().map_err(StepError::other)?;
-    let middle = geometry.inverse(Vector2::from(best), true_robot.elbows);
-    let middle = middle.map_err(StepError::other)?.angles();
-    let plant = scenario.plant().map_err(StepError::other)?;
-    let held = Held {
-        middle: [middle[0], middle[3]],
-        home: Joint::ALL.map(|joint| true_robot.home[joint] + mismatch.home_error[joint]),
-        plant: plant.with_resolved_windings(),
-        geometry,
-        assembly: true_robot.home_pose().map_err(StepError::other)?.assembly(),
-        mode: true_robot.elbows,
-        period: 1.0 / true_robot.control.tick_rate,
-        hands: Hands::default(),
-        motion: None,
-        observer: Observer::new(),
-    };
-    let actions = OperatorActions(Arc::new(Mutex::new(held)));
-    let moved = actions.clone();
-    let arm = move |command: &ActuatorCommand| moved.held().tick(command);
-    let line = Loopback::driving(&settings, Box::new(arm)).map_err(StepError::other)?;
-    Ok((line, actions))
 }

@@ -1,6 +1,6 @@
 //! Accepts connections, and limits what they cost before they have shown the token.
 
-use axum::Router;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -8,9 +8,11 @@ use socket2::{Domain, Socket, Type};
 use std::collections::VecDeque;
 use std::io;
 use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::net::TcpListener;
-use tokio::task::AbortHandle;
+use tokio::task::{AbortHandle, yield_now};
 use tokio::time::sleep;
 
 /// Connections at once that are no websockets: many times what a browser opens. Without it 1000
@@ -28,11 +30,25 @@ const BUFFER: usize = 16 << 10;
 const BACKLOG: i32 = 1024;
 /// Wait after the system refuses a connection, as when this process has too many open files.
 const PAUSE: Duration = Duration::from_millis(50);
-/// Open files that are left to pages and to the controller after that: a page takes five.
-const RESERVE: usize = 16;
+/// Open files that are left to pages and to the controller after that: a page takes five, and one that gets fewer is closed.
+const RESERVE: usize = 28;
 /// Fewest connections at once that are no websockets, as few as the system may allow: a browser opens
 /// six.
 const FEWEST_CONNECTIONS: usize = 16;
+
+/// Whether a connection has shown the token; its requests have it as an extension.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ShownToken(Arc<AtomicBool>);
+
+impl ShownToken {
+    pub(super) fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
 
 /// Opens the address.
 ///
@@ -63,21 +79,36 @@ pub(super) async fn serve(listener: TcpListener, router: Router) -> io::Result<(
         };
         // States and stops are small: none waits for the next.
         let _ = stream.set_nodelay(true);
-        let service = TowerToHyperService::new(router.clone());
+        let token = ShownToken::default();
+        let service = router.clone().layer(Extension(token.clone()));
+        let service = TowerToHyperService::new(service);
         let connection = http
             .serve_connection(TokioIo::new(stream), service)
             .with_upgrades();
         let visit = tokio::spawn(async move {
             let _ = connection.await;
         });
-        visitors.admit(peer.ip(), visit.abort_handle());
+        visitors.admit(Visitor {
+            peer: peer.ip(),
+            token,
+            visit: visit.abort_handle(),
+        });
+        // It is served before the next ones are accepted, which may close it.
+        yield_now().await;
     }
+}
+
+/// A connection that is no websocket.
+struct Visitor {
+    peer: IpAddr,
+    token: ShownToken,
+    visit: AbortHandle,
 }
 
 /// The connections that are no websockets.
 struct Visitors {
     /// The oldest first.
-    open: VecDeque<(IpAddr, AbortHandle)>,
+    open: VecDeque<Visitor>,
     /// Most of them at once.
     most: usize,
 }
@@ -95,48 +126,157 @@ impl Visitors {
     /// Closes the oldest ones after the system has refused a connection, and admits fewer from now
     /// on, so that there are open files for pages.
     fn make_room(&mut self) {
-        self.open.retain(|(_, visit)| !visit.is_finished());
+        self.drop_finished();
         let fewer = self.open.len().saturating_sub(RESERVE);
         self.most = self.most.min(fewer).max(FEWEST_CONNECTIONS);
         while self.open.len() > self.most {
-            self.close(0);
+            self.close_oldest(|_| true);
         }
     }
 
-    fn close(&mut self, index: usize) {
-        if let Some((_, visit)) = self.open.remove(index) {
-            visit.abort();
+    fn drop_finished(&mut self) {
+        self.open.retain(|visitor| !visitor.visit.is_finished());
+    }
+
+    /// Closes the oldest one of these, which has had the most time; one that has shown the token only if there is no
+    /// other, so that a crowd without it ends no request of a page.
+    fn close_oldest(&mut self, of: impl Fn(&Visitor) -> bool) {
+        let stranger = |visitor: &Visitor| of(visitor) && !visitor.token.is_set();
+        let oldest = self.open.iter().position(stranger);
+        let oldest = oldest.or_else(|| self.open.iter().position(&of));
+        if let Some(visitor) = oldest.and_then(|index| self.open.remove(index)) {
+            visitor.visit.abort();
         }
     }
 
-    /// Adds a connection. If there are too many, the oldest one of the same peer, or of all, is
-    /// closed: it has had the most time.
-    fn admit(&mut self, peer: IpAddr, visit: AbortHandle) {
-        self.open.retain(|(_, visit)| !visit.is_finished());
-        let of_peer = self.open.iter().filter(|(other, _)| *other == peer);
-        let oldest = if of_peer.count() >= MAX_OF_PEER {
-            self.open.iter().position(|(other, _)| *other == peer)
-        } else {
-            (self.open.len() >= self.most).then_some(0)
-        };
-        if let Some(index) = oldest {
-            self.close(index);
+    /// Adds a connection. If there are too many, one of the same peer, or of all, is closed.
+    fn admit(&mut self, visitor: Visitor) {
+        self.drop_finished();
+        let peer = visitor.peer;
+        let of_peer = |other: &Visitor| other.peer == peer;
+        if self.open.iter().filter(|other| of_peer(other)).count() >= MAX_OF_PEER {
+            self.close_oldest(of_peer);
+        } else if self.open.len() >= self.most {
+            self.close_oldest(|_| true);
         }
-        self.open.push_back((peer, visit));
+        self.open.push_back(visitor);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{MAX_CONNECTIONS, MAX_OF_PEER, Visitors};
-    use std::net::IpAddr;
+    use super::{MAX_CONNECTIONS, MAX_OF_PEER, ShownToken, Visitor, Visitors, listen, serve};
+    use crate::serve::guard::Guard;
+    use crate::serve::web::guarded;
+    use axum::Router;
+    use axum::routing::post;
+    use std::io::{Read as _, Write as _};
+    use std::net::{IpAddr, SocketAddr, TcpStream};
+    use std::thread;
+    use tokio::sync::oneshot;
 
     fn peers(visitors: &Visitors, peer: IpAddr) -> usize {
-        visitors
-            .open
-            .iter()
-            .filter(|(other, _)| *other == peer)
-            .count()
+        let of_peer = |visitor: &&Visitor| visitor.peer == peer;
+        visitors.open.iter().filter(of_peer).count()
+    }
+
+    /// A request of a page, and the status of the answer.
+    struct Asker {
+        stream: TcpStream,
+        request: String,
+    }
+
+    impl Asker {
+        fn new(address: SocketAddr, token: &str) -> Self {
+            let port = address.port();
+            Self {
+                stream: TcpStream::connect(address).expect("a server"),
+                request: format!(
+                    "POST /stop HTTP/1.1\r\nHost: {address}\r\nCookie: fivebar{port}={token}\r\n\
+                     Content-Length: 0\r\n\r\n"
+                ),
+            }
+        }
+
+        fn ask(&mut self) {
+            let sent = self.stream.write_all(self.request.as_bytes());
+            sent.expect("an open connection");
+        }
+
+        fn status(&mut self) -> String {
+            let mut status = [0; 12];
+            let read = self.stream.read_exact(&mut status);
+            read.expect("an answer");
+            // The rest of the head; there is no body.
+            let mut end = Vec::new();
+            while !end.ends_with(b"\r\n\r\n") {
+                let mut byte = [0];
+                self.stream.read_exact(&mut byte).expect("a head");
+                end.extend(byte);
+            }
+            String::from_utf8_lossy(&status[9..]).into()
+        }
+    }
+
+    /// More connections than a peer may have, without a word.
+    fn crowd(address: SocketAddr) -> Vec<TcpStream> {
+        let connect = |_| TcpStream::connect(address).expect("a server");
+        (0..2 * MAX_OF_PEER).map(connect).collect()
+    }
+
+    /// Serves a route while `ask` runs, which begins before anything is accepted and gets the means to begin it.
+    fn asked(ask: impl FnOnce(SocketAddr, &str, oneshot::Sender<()>) + Send) {
+        let listener = listen("127.0.0.1:0".parse().unwrap()).expect("a port");
+        let address = listener.local_addr().unwrap();
+        let guard = Guard::with_new_token().unwrap();
+        let token = guard.token().to_owned();
+        let router = guarded(Router::new().route("/stop", post(|| async {})), guard);
+        let (begin, begun) = oneshot::channel();
+        let (ended, end) = oneshot::channel::<()>();
+        thread::scope(|scope| {
+            scope.spawn(move || {
+                ask(address, &token, begin);
+                drop(ended);
+            });
+            let mut runtime = tokio::runtime::Builder::new_current_thread();
+            runtime.enable_all().build().unwrap().block_on(async {
+                let _ = begun.await;
+                listener.set_nonblocking(true).unwrap();
+                let listener = tokio::net::TcpListener::from_std(listener).unwrap();
+                tokio::select! {
+                    _ = serve(listener, router) => {}
+                    _ = end => {}
+                }
+            });
+        });
+    }
+
+    #[test]
+    fn a_request_that_has_arrived_is_answered_before_those_behind_it_close_its_connection() {
+        asked(|address, token, begin| {
+            let mut page = Asker::new(address, token);
+            page.ask();
+            let _crowd = crowd(address);
+            begin.send(()).unwrap();
+            assert_eq!(page.status(), "200");
+        });
+    }
+
+    #[test]
+    fn a_connection_that_has_shown_the_token_outlasts_a_crowd_that_has_not() {
+        asked(|address, token, begin| {
+            begin.send(()).unwrap();
+            let mut page = Asker::new(address, token);
+            page.ask();
+            assert_eq!(page.status(), "200");
+            let _crowd = crowd(address);
+            // One of the last: all others have been accepted when it is answered.
+            let mut last = Asker::new(address, token);
+            last.ask();
+            assert_eq!(last.status(), "200");
+            page.ask();
+            assert_eq!(page.status(), "200");
+        });
     }
 
     #[test]
@@ -147,7 +287,11 @@ mod tests {
         let mut admit = |peer: &str| {
             let visit = runtime.spawn(std::future::pending::<()>());
             let peer = peer.parse().expect("an address");
-            visitors.admit(peer, visit.abort_handle());
+            visitors.admit(Visitor {
+                peer,
+                token: ShownToken::default(),
+                visit: visit.abort_handle(),
+            });
             (visit, peer)
         };
         let (user, at) = admit("192.168.0.2");

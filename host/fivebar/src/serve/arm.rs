@@ -1,6 +1,7 @@
 //! The description of the arm for pages, sent before the arm moves.
 
 use fivebar_files::robot::{HomeError, Robot};
+use fivebar_sim::machine::{Machine, Signal};
 use serde::Serialize;
 
 /// Positions [m], angles [rad].
@@ -9,6 +10,10 @@ struct Arm<'a> {
     name: &'a str,
     /// Where its controller runs.
     place: &'a str,
+    /// What turns its joints.
+    motors: &'a str,
+    /// What a state tells of its drives; the rest is 0.
+    shows: &'a [Signal],
     base: f64,
     tool_offset: [f64; 2],
     /// Least and greatest θ1 and θ4.
@@ -24,9 +29,12 @@ struct Arm<'a> {
 pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, HomeError> {
     let pose = robot.home_pose()?;
     let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
+    let machine = Machine::of(robot.drive_kind());
     let arm = Arm {
         name: &robot.name,
         place,
+        motors: machine.motors,
+        shows: machine.shows,
         base: robot.geometry.base(),
         tool_offset: robot.tool.offset,
         angle_limits: robot.limits.angle,

@@ -15,8 +15,8 @@ pub(super) struct Backlog {
 }
 
 impl Backlog {
-    pub(super) fn new(probe: Option<TcpStream>) -> Self {
-        let emptied = Instant::now();
+    /// Nothing is left at `emptied`.
+    pub(super) fn new(probe: Option<TcpStream>, emptied: Instant) -> Self {
         Self { emptied, probe }
     }
 

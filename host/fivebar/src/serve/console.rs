@@ -4,10 +4,9 @@
 //! senders exclude, such as a jog, or is in control no more; then G91, G92 and F are forgotten.
 
 use super::controller_thread::ControllerThread;
-use super::lease::PageId;
-use super::message::ServerMessage;
 use super::requests::Refused;
-use std::time::Instant;
+use super::wire::lease::PageId;
+use super::wire::message::ServerMessage;
 
 /// Longest line of a console [bytes].
 const LONGEST: usize = 256;
@@ -75,7 +74,7 @@ impl ControllerThread {
     /// Ends the console of a page that is in control no more: the arm comes to rest on its path.
     pub(super) fn drop_console_of_a_lost_page(&mut self) {
         let lease = &self.pages.shared.lease;
-        let now = Instant::now();
+        let now = self.session.clock.now();
         self.console
             .take_if(|&mut (page, _)| !lease.is_held_by(page, now));
     }

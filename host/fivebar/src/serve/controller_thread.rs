@@ -3,18 +3,20 @@
 //! Before each exchange it does the stops that pages ask for ([`Self::stop_if_asked`]
 //! (ControllerThread::stop_if_asked)), so a stop waits for one exchange at most.
 
-use super::ServeError;
-use super::channels::ControllerEnd;
+use super::error::ServeError;
+use super::held_motion::HeldBy;
 use super::job_thread::JobThread;
-use super::lease::PageId;
-use super::message::{FaultMessage, ServerMessage, StateMessage, brief};
 use super::mode_thread::ModeThread;
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
 use super::trail::Trail;
-use super::updates::Updates;
+use super::wire::channels::ControllerEnd;
+use super::wire::lease::PageId;
+use super::wire::message::{FaultMessage, ServerMessage, StateMessage, brief};
+use super::wire::updates::Updates;
 use crate::senders::{Console, Senders};
+use fivebar_files::job::JobReader;
 use fivebar_files::robot::Robot;
 use fivebar_firmware::Status;
 use fivebar_firmware::planner::MoveErrorKind;
@@ -50,6 +52,8 @@ pub(super) struct ControllerThread {
     /// The page that was in control when the feeder got its moves.
     controlled_by: Option<PageId>,
     pub(super) feeder: MoveFeeder,
+    /// Who holds the control of the motion that goes on while it is held.
+    pub(super) held_by: Option<HeldBy>,
     trail: Trail,
     /// The fault last sent to all pages, or that there is none; `None` before the first.
     sent_fault: Option<Option<Fault>>,
@@ -82,7 +86,7 @@ impl ControllerThread {
         mut session: Session,
         senders: Box<dyn Senders>,
         robot: Robot,
-        planner: Option<JobPlanner>,
+        (reader, planner): (JobReader, Option<JobPlanner>),
         pages: ControllerEnd,
         updates: Updates,
     ) -> Result<Self, ServeError> {
@@ -94,25 +98,27 @@ impl ControllerThread {
         let every = (session.settings.control.tick_rate / samples) as u16;
         session.client.call(HostCommand::Telemetry { every })?;
         let preview = Preview::new(&session.settings);
+        let speed = SpeedMeter::from(0.0, session.clock.now());
         Ok(Self {
             session,
             senders,
             console: None,
             pages,
             updates,
-            jobs: JobThread::start(robot, preview.clone(), planner),
+            jobs: JobThread::start(robot, preview.clone(), reader, planner),
             modes: ModeThread::start(preview.clone()),
             mode_wanted: None,
             preview,
             controlled_by: None,
             feeder: MoveFeeder::default(),
+            held_by: None,
             trail: Trail::default(),
             sent_fault: None,
             loaded: None,
             run_asked_by: None,
             run_on: false,
             cleared: None,
-            speed: SpeedMeter::from(0.0, Instant::now()),
+            speed,
         })
     }
 
@@ -139,6 +145,11 @@ impl ControllerThread {
         }
         self.stop_if_asked()?;
         self.session.pass_time()?;
+        self.take_samples()
+    }
+
+    /// Takes the samples that have arrived, and sends each as a state.
+    pub(super) fn take_samples(&mut self) -> Result<(), LinkError> {
         while let Some(sample) = self.session.client.take_telemetry() {
             let homed = sample.status.homed && !self.session.status.homed;
             self.session.status = sample.status;
@@ -179,7 +190,7 @@ impl ControllerThread {
                 return Ok(());
             };
             self.drop_moves_of_a_lost_page();
-            if self.handle_event(event)? {
+            if self.handle_event(&event)? {
                 return Ok(());
             }
         }
@@ -231,7 +242,7 @@ impl ControllerThread {
             return Ok(false);
         }
         self.drop_moves_of_a_lost_page();
-        Ok(self.runs_on() || self.pages.shared.lease.is_alive(Instant::now()))
+        Ok(self.runs_on() || self.pages.shared.lease.is_alive(self.session.clock.now()))
     }
 
     /// Gives the controller a sign of life and the moves that wait.
@@ -300,7 +311,7 @@ impl ControllerThread {
         let status = &status;
         let tick_rate = f64::from(self.session.settings.control.tick_rate);
         let time = f64::from(status.tick) / tick_rate;
-        let now = Instant::now();
+        let now = self.session.clock.now();
         let pose = self.preview.pose(status);
         let lease = &self.pages.shared.lease;
         self.updates.send(&ServerMessage::State(StateMessage {
@@ -313,6 +324,7 @@ impl ControllerThread {
             trail: self.trail.points(),
             sender: self.is_sender_in_control(),
             console: self.console_in_control(),
+            pending: !self.feeder.has_no_target(),
             control: lease.holder(),
             alive: lease.is_alive(now),
             progress: self.feeder.progress(tick_rate),

@@ -1,15 +1,15 @@
 //! Limits what a page sends, frame by frame, before the websocket's library gathers it.
 
 use super::backlog::Backlog;
-use super::channels::{Page, WebEnd};
 use super::rate::PerSecond;
+use super::wire::channels::WebEnd;
+use super::wire::lease::Page;
 use axum::body::Bytes;
 use std::io::{self, Cursor};
 use std::net::TcpStream;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, ready};
-use std::time::Instant;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::sync::OwnedSemaphorePermit;
 use tokio_tungstenite::tungstenite::protocol::frame::FrameHeader;
@@ -89,13 +89,14 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
         page: Arc<Page>,
         pages: WebEnd,
     ) -> Self {
+        let now = pages.shared.clock.now();
         Self {
             stream,
             early,
             page,
             pages,
-            rate: PerSecond::new(MAX_PER_SECOND),
-            backlog: Backlog::new(probe),
+            rate: PerSecond::new(MAX_PER_SECOND, now),
+            backlog: Backlog::new(probe, now),
             message: 0,
             long: None,
             place: Place::Header,
@@ -133,7 +134,7 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
             self.unread.end += early.len();
             return Poll::Ready(Ok(early.len()));
         }
-        let asked = Instant::now();
+        let asked = self.pages.shared.clock.now();
         let read = Pin::new(&mut self.stream).poll_read(cx, &mut unfilled)?;
         if read.is_pending() {
             self.backlog.look(asked);
@@ -165,7 +166,8 @@ impl<S: AsyncRead + Unpin> FrameMeter<S> {
 
     fn count(&mut self, header: &FrameHeader, length: u64) -> Result<(), LimitError> {
         let continues = header.opcode == OpCode::Data(Data::Continue);
-        if (!continues || length < SMALL) && !self.rate.admit(Instant::now()) {
+        let now = self.pages.shared.clock.now();
+        if (!continues || length < SMALL) && !self.rate.admit(now) {
             return Err(LimitError::TooMany);
         }
         if let OpCode::Data(_) = header.opcode {
@@ -300,12 +302,14 @@ mod tests {
     use super::{
         FrameMeter, LimitError, MAX_LONG_MESSAGE, MAX_PER_SECOND, MAX_WATCHER_MESSAGE, PART,
     };
-    use crate::serve::channels::{Page, WebEnd, channels};
+    use crate::serve::wire::channels::{WebEnd, channels};
+    use crate::serve::wire::lease::Page;
     use axum::body::Bytes;
+    use fivebar_sim::clock::Clock;
     use futures_util::StreamExt as _;
     use std::io::Cursor;
     use std::sync::Arc;
-    use std::time::{Duration, Instant};
+    use std::time::Duration;
     use tokio::io::{AsyncRead, AsyncWriteExt as _};
     use tokio_tungstenite::WebSocketStream;
     use tokio_tungstenite::tungstenite::protocol::Role;
@@ -329,7 +333,11 @@ mod tests {
     fn received(bytes: Vec<u8>, pages: &WebEnd) -> Vec<Result<Message, Error>> {
         let runtime = tokio::runtime::Builder::new_current_thread().build();
         runtime.expect("a runtime").block_on(async {
-            let meter = meter(Cursor::new(bytes), Arc::new(Page::new()), pages.clone());
+            let meter = meter(
+                Cursor::new(bytes),
+                Arc::new(Page::new(pages.shared.clock.now())),
+                pages.clone(),
+            );
             let socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
             socket.collect().await
         })
@@ -344,7 +352,7 @@ mod tests {
 
     #[test]
     fn a_message_arrives_as_it_was_sent_whatever_its_frames() {
-        let (pages, _controller, _updates) = channels();
+        let (pages, _controller, _updates) = channels(Clock::simulated());
         let text: String = (0..5 * PART)
             .map(|index| char::from(b'a' + (index % 23) as u8))
             .collect();
@@ -364,7 +372,7 @@ mod tests {
 
     #[test]
     fn empty_frames_count_although_they_begin_no_message() {
-        let (pages, _controller, _updates) = channels();
+        let (pages, _controller, _updates) = channels(Clock::simulated());
         let mut bytes = frame(OpCode::Data(Data::Text), false, "");
         bytes.extend(
             frame(OpCode::Data(Data::Continue), false, "").repeat(2 * MAX_PER_SECOND as usize),
@@ -374,7 +382,7 @@ mod tests {
 
     #[test]
     fn a_page_that_watches_sends_long_messages_only_if_no_other_does() {
-        let (pages, _controller, _updates) = channels();
+        let (pages, _controller, _updates) = channels(Clock::simulated());
         let text = "x".repeat(MAX_WATCHER_MESSAGE as usize + 1);
         let bytes = frame(OpCode::Data(Data::Text), true, &text);
         assert_eq!(limit(&received(bytes.clone(), &pages)), None);
@@ -393,31 +401,27 @@ mod tests {
     fn what_waited_to_be_read_counts_as_received_when_nothing_waited_last() {
         let runtime = tokio::runtime::Builder::new_current_thread().build();
         runtime.expect("a runtime").block_on(async {
-            let (pages, _controller, _updates) = channels();
+            let clock = Clock::simulated();
+            let (pages, _controller, _updates) = channels(clock.clone());
             let (mut sent, stream) = tokio::io::duplex(1 << 10);
-            let page = Arc::new(Page::new());
+            let page = Arc::new(Page::new(pages.shared.clock.now()));
             let meter = meter(stream, Arc::clone(&page), pages);
             let mut socket = WebSocketStream::from_raw_socket(meter, Role::Server, None).await;
             let text = frame(OpCode::Data(Data::Text), true, "alive");
-            let mut emptied = [page.received(), Instant::now()]; // Around the reading that left nothing.
+            let mut emptied = page.received(); // When a reading left nothing.
             for _ in 0..3 {
                 sent.write_all(&text).await.expect("room");
-                std::thread::sleep(Duration::from_millis(20));
-                let read = Instant::now();
+                clock.sleep(Duration::from_millis(20));
                 socket.next().await.expect("a message").expect("a message");
-                let [from, to] = emptied;
-                assert!(
-                    (from..=to).contains(&page.received()),
-                    "{emptied:?} {page:?}"
-                );
-                emptied = [read - Duration::from_micros(1), Instant::now()];
+                assert_eq!(page.received(), emptied);
+                emptied = clock.now();
             }
         });
     }
 
     #[test]
     fn a_watchers_message_of_more_than_12_mb_is_refused_by_its_header() {
-        let (pages, _controller, _updates) = channels();
+        let (pages, _controller, _updates) = channels(Clock::simulated());
         let mut bytes = frame(OpCode::Data(Data::Text), true, &"x".repeat(15 << 20));
         bytes.truncate(100);
         assert_eq!(

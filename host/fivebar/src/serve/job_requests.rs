@@ -1,18 +1,17 @@
 //! Jobs: loaded, checked, run and resumed.
 
-use super::channels::Page;
 use super::controller_thread::{ControllerThread, LoadedJob};
 use super::job_thread::{JobSource, Prepared, Work};
-use super::lease::PageId;
-use super::message::Shift;
 use super::move_feeder::takes_moves;
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, nearest};
 use super::requests::{JOINT_SPEED, Refused};
+use super::wire::lease::Page;
+use super::wire::lease::PageId;
+use super::wire::message::Shift;
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_sim::path_queue::way_back;
 use std::sync::Arc;
-use std::time::Instant;
 
 impl ControllerThread {
     pub(super) fn load_job(&mut self, page: &Page, source: JobSource) -> Result<(), Refused> {
@@ -263,6 +262,7 @@ impl ControllerThread {
     }
 
     fn has_control(&self, page: PageId) -> bool {
-        self.pages.shared.lease.is_held_by(page, Instant::now())
+        let lease = &self.pages.shared.lease;
+        lease.is_held_by(page, self.session.clock.now())
     }
 }

@@ -1,10 +1,11 @@
 //! The thread that reads and checks jobs, so that the controller's thread waits for none.
 
-use super::lease::PageId;
-use super::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
-use fivebar_files::job::{Job, Placement};
+use super::wire::lease::PageId;
+use super::wire::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
+use super::wire::numbered::NumberedRequest;
+use fivebar_files::job::{Job, JobReader, Placement};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_sim::time_optimal::JobPlanner;
@@ -114,16 +115,23 @@ pub(super) struct JobThread {
 struct Workshop {
     robot: Robot,
     preview: Preview,
+    reader: JobReader,
     /// The planner of time-optimal motion; none: the controller plans.
     planner: Option<JobPlanner>,
 }
 
 impl JobThread {
-    pub(super) fn start(robot: Robot, preview: Preview, planner: Option<JobPlanner>) -> Self {
+    pub(super) fn start(
+        robot: Robot,
+        preview: Preview,
+        reader: JobReader,
+        planner: Option<JobPlanner>,
+    ) -> Self {
         let is_time_optimal = planner.is_some();
         let workshop = Workshop {
             robot,
             preview,
+            reader,
             planner,
         };
         let place = Arc::new(Place::default());
@@ -302,7 +310,10 @@ impl Workshop {
     }
 
     fn scenario(&self, name: &str, text: String) -> Scenario {
-        Scenario::new(name, self.robot.clone(), name, text)
+        Scenario {
+            reader: self.reader,
+            ..Scenario::new(name, self.robot.clone(), name, text)
+        }
     }
 
     /// Reads a job; or else what the pages get to know.
@@ -315,7 +326,10 @@ impl Workshop {
         let (name, text) = match source {
             JobSource::Text(name, text) => (name, text),
             JobSource::Message(message) => match serde_json::from_str(&message) {
-                Ok(ClientRequest::Load { name, text }) => (name, text),
+                Ok(NumberedRequest {
+                    request: ClientRequest::Load { name, text },
+                    ..
+                }) => (name, text),
                 Ok(_) => return Err(Prepared::NoJob(page, "it is too long".into())),
                 Err(error) => return Err(Prepared::NoJob(page, brief(error.to_string()))),
             },

@@ -28,11 +28,8 @@
 //! | `mode_thread` | the thread that plans changes of the working mode |
 //! | `preview`, `strokes`, `trail` | the arm, its jobs and what it draws as lines |
 //! | `console` | the page whose console sends G-code |
-//! | `stop_signal`, `stops` | stops, on a path past every queue; what they do |
-//! | `lease` | which page is in control, and whether it is alive |
-//! | `channels` | what else passes between pages and controller |
-//! | `updates` | what the controller's thread sends to the pages, without waiting for them |
-//! | `message` | the messages between pages and server |
+//! | `stops` | what stops do |
+//! | `wire` | what passes between pages and controller: messages, stops, the lease, the channels |
 //! | `accept`, `guard` | limits of connections; which web requests are served |
 //! | `web` | the page's files and the way to a websocket |
 //! | `socket`, `frame_meter`, `backlog`, `rate` | the exchange with a page, and its limits |
@@ -42,18 +39,16 @@
 mod accept;
 mod arm;
 mod backlog;
-mod channels;
 pub(super) mod commission;
 mod console;
 mod controller_thread;
+mod error;
 mod frame_meter;
 mod guard;
 mod held_motion;
 mod job_requests;
 mod job_thread;
-mod lease;
 mod maps;
-mod message;
 mod mode_thread;
 mod move_feeder;
 mod parsed_job;
@@ -65,70 +60,24 @@ mod rate;
 pub mod received;
 mod requests;
 mod socket;
-mod stop_signal;
 mod stops;
 mod strokes;
 mod trail;
-mod updates;
 mod web;
+mod wire;
 
+pub use error::ServeError;
 pub use guard::Guard;
 
-use crate::senders::{Endpoints, Listen, SendersError};
+use crate::senders::{Endpoints, Listen};
 use controller_thread::ControllerThread;
-use fivebar_design::workspace::GridError;
-use fivebar_files::robot::{HomeError, Robot, WorkspaceError};
-use fivebar_sim::controller::{ControllerSource, OpenError, open};
-use fivebar_sim::link::LinkError;
-use fivebar_sim::simulation::RunError;
-use fivebar_sim::time_optimal::{JobPlanner, TimeOptimalError};
-use std::io;
+use fivebar_files::job::JobReader;
+use fivebar_files::robot::Robot;
+use fivebar_sim::clock::Clock;
+use fivebar_sim::controller::{ControllerSource, open};
+use fivebar_sim::time_optimal::JobPlanner;
 use std::net::SocketAddr;
-use updates::Updates;
-
-/// Why the page cannot be served.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ServeError {
-    /// The server cannot listen on the address.
-    #[error("cannot listen on {address}: {source}; choose another address with --listen")]
-    Listen {
-        /// The address.
-        address: SocketAddr,
-        /// The system's error.
-        source: io::Error,
-    },
-    /// Senders cannot connect.
-    #[error("senders: {0}")]
-    Senders(#[source] SendersError),
-    /// The web server failed.
-    #[error("the web server failed: {0}")]
-    Web(#[from] io::Error),
-    /// The robot cannot be simulated.
-    #[error(transparent)]
-    Simulation(#[from] RunError),
-    /// The arm cannot be commissioned.
-    #[error("{0}")]
-    Commission(String),
-    /// The robot has no home pose.
-    #[error(transparent)]
-    HomeError(#[from] HomeError),
-    /// The robot's workspace cannot be mapped.
-    #[error(transparent)]
-    WorkspaceError(#[from] WorkspaceError),
-    /// The grid of the map cannot be made.
-    #[error("the robot's workspace: {0}")]
-    Grid(#[from] GridError),
-    /// Jobs of this robot cannot be planned time-optimally.
-    #[error("--time-optimal: {0}")]
-    TimeOptimal(#[from] TimeOptimalError),
-    /// The controller cannot be opened.
-    #[error(transparent)]
-    Open(#[from] OpenError),
-    /// The controller does not reply.
-    #[error(transparent)]
-    Link(#[from] LinkError),
-}
+use wire::updates::Updates;
 
 /// How the page is served.
 pub struct ServeOptions {
@@ -141,6 +90,10 @@ pub struct ServeOptions {
     /// Run jobs as time-optimal motions with this share of the torque limits, 0 to 1; none: the
     /// controller plans them.
     pub time_optimal: Option<f64>,
+    /// What reads the pages' jobs.
+    pub jobs: JobReader,
+    /// The time of the simulated arm, and of all that pages and server promise each other.
+    pub clock: Clock,
 }
 
 /// Serves the page, and senders of G-code if they are asked for, until `ends` returns
@@ -164,18 +117,18 @@ pub fn serve(
     let planner = planner.transpose()?;
     let listener = accept::listen(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
-    let (mut session, place) = open(robot, source)?;
+    let (mut session, place) = open(robot, source, &options.clock)?;
     let arm = arm::describe(robot, &place)?;
     let maps = maps::describe(robot, session.settings.assembly())?;
     let senders = (options.senders)(robot, &mut session, &place);
     let senders = senders.map_err(ServeError::Senders)?;
-    let (pages, controller_end, to_pages) = channels::channels();
+    let (pages, controller_end, to_pages) = wire::channels::channels(options.clock);
     let updates = Updates::start(to_pages);
     let thread = ControllerThread::new(
         session,
         senders,
         robot.clone(),
-        planner,
+        (options.jobs, planner),
         controller_end,
         updates,
     )?;

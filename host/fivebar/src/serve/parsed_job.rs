@@ -1,7 +1,7 @@
 //! A job that was read: its moves, and what the controller gets of them.
 
-use super::message::{Layer, brief};
 use super::preview::{JobStart, Preview};
+use super::wire::message::{Layer, brief};
 use fivebar_files::job::{Job, Pause};
 use fivebar_firmware::Move;
 use fivebar_sim::path_queue::{divided, duration, end, length, remaining};

@@ -1,7 +1,7 @@
 //! The arm and its jobs as lines to draw.
 
-use super::message::{JobMessage, brief};
 use super::strokes::Strokes;
+use super::wire::message::{JobMessage, brief};
 use fivebar_files::job::{Action, Job};
 use fivebar_files::scenario::place_in_job;
 use fivebar_firmware::planner::Planner;

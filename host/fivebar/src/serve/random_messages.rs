@@ -1,7 +1,8 @@
 //! Random messages of pages: each is read or refused in a short text, and none panics.
 
-use super::message::{ClientRequest, brief};
 use super::received::{Received, receive, text_frame};
+use super::wire::message::brief;
+use super::wire::numbered::NumberedRequest;
 use proptest::prelude::*;
 
 const DOCUMENT: &str = include_str!("../../../../docs/use/live-page.md");
@@ -62,7 +63,7 @@ fn examples() -> Vec<String> {
 
 /// Whether the message was read.
 fn read(text: &str) -> bool {
-    match serde_json::from_str::<ClientRequest>(text) {
+    match serde_json::from_str::<NumberedRequest>(text) {
         Ok(request) => {
             // Requests are copied between threads, and shown when something fails.
             assert!(!format!("{:?}", request.clone()).is_empty());

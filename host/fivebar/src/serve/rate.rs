@@ -11,10 +11,10 @@ pub(super) struct PerSecond {
 }
 
 impl PerSecond {
-    pub(super) fn new(limit: u32) -> Self {
+    pub(super) fn new(limit: u32, now: Instant) -> Self {
         Self {
             limit,
-            since: Instant::now(),
+            since: now,
             count: 0,
         }
     }

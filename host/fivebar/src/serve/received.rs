@@ -1,8 +1,9 @@
 //! The exchange with a page whose bytes are known: for tests, and for the fuzzer.
 
-use super::channels::{Event, EventKind, channels};
 use super::socket::exchange;
+use super::wire::channels::{Event, EventKind, channels};
 use axum::body::Bytes;
+use fivebar_sim::clock::Clock;
 use std::io;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -76,7 +77,7 @@ impl AsyncWrite for Line<'_> {
 /// If more requests wait than a page may have, if the server's bytes are no websocket messages, if
 /// one of them is long, or if the page leaves a trace: the lease, or the place for a long message.
 pub fn receive(bytes: &[u8]) -> Received {
-    let (pages, controller, _updates) = channels();
+    let (pages, controller, _updates) = channels(Clock::simulated());
     let server = Arc::<Mutex<Vec<u8>>>::default();
     let line = Line {
         page: bytes,
@@ -118,7 +119,11 @@ impl Received {
                 Ok(Message::Text(text)) => {
                     assert!(text.len() < LONGEST, "{} bytes came back", text.len());
                     let message: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-                    assert!(message.get("hello").or(message.get("notice")).is_some());
+                    let kinds = ["hello", "notice", "answer"];
+                    assert!(
+                        kinds.iter().any(|kind| message.get(kind).is_some()),
+                        "{message}"
+                    );
                     self.refusals += usize::from(message.get("notice").is_some());
                 }
                 Ok(Message::Close(Some(frame))) => self.reason = Some(frame.reason.to_string()),

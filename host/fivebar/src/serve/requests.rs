@@ -1,18 +1,23 @@
 //! Turns the requests of pages into host commands, targets and jobs, or into a refusal.
 
-use super::channels::{Event, EventKind, Page};
 use super::controller_thread::ControllerThread;
+use super::held_motion::HeldBy;
 use super::job_thread::JobSource;
-use super::lease::PageId;
-use super::message::{ClientRequest, ControllerRequest, DrivenJoint, PenPosition};
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
-use super::stop_signal::Stop;
+use super::wire::channels::{Event, EventKind};
+use super::wire::lease::{Page, PageId};
+use super::wire::message::{
+    ClientRequest, ControllerRequest, DrivenJoint, PenPosition, ServerMessage,
+};
+use super::wire::numbered::NumberedRequest;
+use super::wire::stop_signal::Stop;
 use crate::senders::Endpoints;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
 use fivebar_sim::link::LinkError;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Speed of joint moves, as a share of the joints' greatest speed.
@@ -25,7 +30,37 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// Why a request is refused, as a sentence.
 pub(super) type Refused = String;
 
+/// What became of an event.
+struct Handled {
+    outcome: Result<(), Refused>,
+    /// The controller was asked.
+    has_asked: bool,
+    /// A stop came after it, which says enough to its page.
+    is_dropped: bool,
+}
+
+impl Handled {
+    fn by(outcome: Result<(), Refused>) -> Self {
+        Self {
+            outcome,
+            has_asked: false,
+            is_dropped: false,
+        }
+    }
+
+    fn dropped() -> Self {
+        Self {
+            is_dropped: true,
+            ..Self::by(Err("A stop was asked for after it.".into()))
+        }
+    }
+}
+
 impl ClientRequest {
+    fn is_stop(&self) -> bool {
+        matches!(self, Self::Request(wanted) if wanted.kind().is_ok())
+    }
+
     /// Whether a stop cancels the request if it still waits.
     fn ends_with_a_stop(&self) -> bool {
         match self {
@@ -42,6 +77,7 @@ impl ClientRequest {
             | Self::Turn { .. }
             | Self::Hold(_)
             | Self::HoldJoint { .. }
+            | Self::Renew(_)
             | Self::Pen(_)
             | Self::Mode(_)
             | Self::Console(_)
@@ -53,29 +89,45 @@ impl ClientRequest {
 }
 
 impl ControllerThread {
-    /// Handles an event of a page. What a page asked for before it was lost is dropped, and so
-    /// is what could move the arm and was asked for before the last stop. Returns whether the
+    /// Handles an event of a page, and answers a request that has a number. What a page asked for before it was lost is
+    /// dropped, and so is what could move the arm and was asked for before the last stop. Returns whether the
     /// controller was asked.
-    pub(super) fn handle_event(&mut self, event: Event) -> Result<bool, LinkError> {
-        let Event {
-            page,
-            kind,
-            received,
-            stops,
-            ..
-        } = event;
+    pub(super) fn handle_event(&mut self, event: &Event) -> Result<bool, LinkError> {
+        let page = Arc::clone(&event.page);
         if !page.is_connected() {
             return Ok(false);
         }
-        let now = Instant::now();
+        let number = match &event.kind {
+            EventKind::Request(numbered) => numbered.number,
+            EventKind::Joined | EventKind::LongMessage(_) => None,
+        };
+        let Handled {
+            outcome,
+            has_asked,
+            is_dropped,
+        } = self.handle(event)?;
+        if let Some(number) = number {
+            self.answer(page.id, number, outcome.clone().err())?;
+        }
+        if let Err(why) = outcome
+            && !is_dropped
+        {
+            self.refuse(Some(page.id), why);
+        }
+        Ok(has_asked)
+    }
+
+    fn handle(&mut self, event: &Event) -> Result<Handled, LinkError> {
+        let now = self.session.clock.now();
+        let page = Arc::clone(&event.page);
         let lease = &self.pages.shared.lease;
         let in_control = lease.is_held_by(page.id, now);
-        let outcome = match kind {
+        let outcome = match &event.kind {
             EventKind::Joined => {
                 // After a page is lost, a moving arm comes to rest before another page may
                 // get control without asking, unless its job runs on.
                 if (self.rests() || self.runs_on()) && !lease.is_alive(now) {
-                    lease.acquire(&page, received, now, false);
+                    lease.acquire(&page, event.received, now, false);
                 }
                 let endpoints = self.senders.endpoints();
                 if let Some(warning) = endpoints.and_then(Endpoints::warning) {
@@ -86,12 +138,21 @@ impl ControllerThread {
             // A job moves nothing, and a page is silent while it sends a large one: its lease may
             // have run out.
             EventKind::LongMessage(message) if lease.holder() == Some(page.id) => {
-                self.load_job(&page, JobSource::Message(message))
+                self.load_job(&page, JobSource::Message(message.clone()))
             }
             EventKind::LongMessage(_) => Err("This page watches: take control first.".into()),
-            EventKind::Request(request) => {
-                if stops < self.pages.shared.stop.count() && request.ends_with_a_stop() {
-                    return Ok(false);
+            EventKind::Request(NumberedRequest { number, request }) => {
+                if let ClientRequest::Renew(number) = request {
+                    self.renew_held_motion(event, *number);
+                    return Ok(Handled::by(Ok(())));
+                }
+                // The answer to a stop comes when it is done.
+                if request.is_stop() {
+                    self.stop_if_asked()?;
+                    return Ok(Handled::by(Ok(())));
+                }
+                if event.stops < self.pages.shared.stop.count() && request.ends_with_a_stop() {
+                    return Ok(Handled::dropped());
                 }
                 let excludes_senders = match request {
                     ClientRequest::Alive | ClientRequest::Console(_) => false,
@@ -99,27 +160,40 @@ impl ControllerThread {
                     _ => in_control,
                 };
                 if excludes_senders && let Err(why) = self.take_control_from_senders() {
-                    self.report(&page, Err(why));
-                    return Ok(false);
+                    return Ok(Handled::by(Err(why)));
                 }
                 if let ClientRequest::Request(wanted) = request
                     && in_control
                 {
-                    let outcome = self.request(&page, wanted)?;
-                    self.report(&page, outcome);
-                    return Ok(true);
+                    let outcome = self.request(&page, *wanted)?;
+                    return Ok(Handled {
+                        has_asked: true,
+                        ..Handled::by(outcome)
+                    });
                 }
-                self.handle_request(&page, received, in_control, request)
+                let held_by = HeldBy::new(event, *number);
+                self.handle_request(&page, event.received, in_control, request.clone(), held_by)
             }
         };
-        self.report(&page, outcome);
-        Ok(false)
+        Ok(Handled::by(outcome))
     }
 
-    fn report(&self, page: &Page, outcome: Result<(), Refused>) {
-        if let Err(why) = outcome {
-            self.refuse(Some(page.id), why);
-        }
+    /// Answers a request. States of later ticks show what it did.
+    fn answer(
+        &mut self,
+        to: PageId,
+        number: u64,
+        refused: Option<Refused>,
+    ) -> Result<(), LinkError> {
+        // Samples that have arrived by now are older.
+        self.take_samples()?;
+        self.updates.send(&ServerMessage::Answer {
+            to,
+            number,
+            tick: Some(self.session.status.tick),
+            refused,
+        });
+        Ok(())
     }
 
     fn handle_request(
@@ -128,12 +202,14 @@ impl ControllerThread {
         received: Instant,
         in_control: bool,
         request: ClientRequest,
+        held_by: HeldBy,
     ) -> Result<(), Refused> {
         match request {
-            ClientRequest::Alive => Ok(()),
+            // `handle` has done the renewals.
+            ClientRequest::Alive | ClientRequest::Renew(_) => Ok(()),
             ClientRequest::Control => self.give_control(page, received),
             _ if !in_control => Err("This page watches: take control first.".into()),
-            // `handle_event` has asked the controller.
+            // `handle` has asked the controller.
             ClientRequest::Request(_) => Ok(()),
             ClientRequest::Console(line) => self.send_to_console(page.id, line),
             ClientRequest::RunOn(on) => {
@@ -172,8 +248,10 @@ impl ControllerThread {
                 self.move_joint(joint, |angle| angle + single(by))
             }
             ClientRequest::Turn { joint, to } => self.move_joint(joint, |_| single(to)),
-            ClientRequest::Hold(velocity) => self.hold(velocity.map(single)),
-            ClientRequest::HoldJoint { joint, rate } => self.hold_joint(joint, single(rate)),
+            ClientRequest::Hold(velocity) => self.hold(velocity.map(single), held_by),
+            ClientRequest::HoldJoint { joint, rate } => {
+                self.hold_joint(joint, single(rate), held_by)
+            }
             ClientRequest::Pen(position) => self.move_pen(position),
             ClientRequest::Mode(elbows) => {
                 self.change_mode(page.id, elbows);
@@ -185,7 +263,7 @@ impl ControllerThread {
     fn give_control(&mut self, page: &Page, received: Instant) -> Result<(), Refused> {
         let lease = &self.pages.shared.lease;
         let before = lease.holder();
-        if !lease.acquire(page, received, Instant::now(), self.rests()) {
+        if !lease.acquire(page, received, self.session.clock.now(), self.rests()) {
             return Err(
                 "Another page is in control of a moving arm: stop the arm, then take control."
                     .into(),
@@ -215,7 +293,8 @@ impl ControllerThread {
             }
         };
         let powers = matches!(request, Request::Arm | Request::Home);
-        if powers && self.cleared.is_some_and(|at| at.elapsed() < PAUSE) {
+        let clock = &self.session.clock;
+        if powers && self.cleared.is_some_and(|at| clock.since(at) < PAUSE) {
             return Ok(Err(
                 "A fault was cleared a moment ago: look at the arm, wait a second, then ask again."
                     .into(),
@@ -223,7 +302,7 @@ impl ControllerThread {
         }
         let answer = self.session.request(request)?;
         if request == Request::ClearFault && answer.is_ok() {
-            self.cleared = Some(Instant::now());
+            self.cleared = Some(self.session.clock.now());
         }
         Ok(answer)
     }

@@ -3,9 +3,11 @@
 //! Reading never waits for writing: a page that reads slowly, or reads nothing, can still
 //! send. Signs of life and stops take effect here, when they arrive.
 
-use super::channels::{EventKind, Notice, Page, QueueError, WebEnd};
 use super::frame_meter::{FrameMeter, LimitError};
-use super::message::{ClientRequest, ServerMessage, brief};
+use super::wire::channels::{EventKind, Notice, QueueError, WebEnd};
+use super::wire::lease::Page;
+use super::wire::message::{ClientRequest, ServerMessage, brief};
+use super::wire::numbered::NumberedRequest;
 use axum::body::Bytes;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
@@ -25,8 +27,8 @@ use tokio_tungstenite::tungstenite::{Error, Message, Utf8Bytes};
 /// Longest message that is read here [bytes]. Only jobs are longer; the thread of jobs reads those,
 /// because the signs of life and stops of the same page would wait for it.
 const MAX_SHORT_MESSAGE: usize = 4 << 10;
-/// Refusals that may wait for their page: it may send and read nothing.
-const REFUSALS: usize = 8;
+/// Refusals and answers that may wait for their page: it may send and read nothing.
+const OWN: usize = 8;
 /// A page that reads nothing for this time is disconnected. Without it 32 pages that read nothing
 /// keep every other page out for ever.
 const LONGEST_SEND: Duration = Duration::from_secs(30);
@@ -53,7 +55,7 @@ pub(super) async fn exchange<S: Connection>(
     probe: Option<TcpStream>,
     pages: WebEnd,
 ) {
-    let page = Arc::new(Page::new());
+    let page = Arc::new(Page::new(pages.shared.clock.now()));
     let stream = FrameMeter::new(stream, early, probe, Arc::clone(&page), pages.clone());
     let config = WebSocketConfig::default()
         .read_buffer_size(BUFFER)
@@ -61,12 +63,12 @@ pub(super) async fn exchange<S: Connection>(
         .max_message_size(Some(super::frame_meter::MAX_MESSAGE as usize));
     let socket = Socket::from_raw_socket(stream, Role::Server, Some(config)).await;
     let (sink, stream) = socket.split();
-    let (refusals, own) = mpsc::channel(REFUSALS);
+    let (to_page, own) = mpsc::channel(OWN);
     let mut reader = Reader {
         page: &page,
         pages: &pages,
         stream,
-        refusals,
+        own: to_page,
     };
     let mut writer = Writer {
         page: &page,
@@ -106,7 +108,8 @@ struct Reader<'a, S> {
     page: &'a Arc<Page>,
     pages: &'a WebEnd,
     stream: SplitStream<Socket<S>>,
-    refusals: mpsc::Sender<Utf8Bytes>,
+    /// Messages to this page alone.
+    own: mpsc::Sender<Utf8Bytes>,
 }
 
 impl<S: Connection> Reader<'_, S> {
@@ -134,8 +137,8 @@ impl<S: Connection> Reader<'_, S> {
         if text.len() > MAX_SHORT_MESSAGE {
             return self.queue(EventKind::LongMessage(text));
         }
-        let request = match serde_json::from_str::<ClientRequest>(&text) {
-            Ok(request) => request,
+        let numbered = match serde_json::from_str::<NumberedRequest>(&text) {
+            Ok(numbered) => numbered,
             Err(error) => {
                 self.refuse(format!(
                     "The server does not know this request; load the page again ({error})."
@@ -143,18 +146,27 @@ impl<S: Connection> Reader<'_, S> {
                 return Ok(());
             }
         };
-        let stop = match &request {
+        let stop = match &numbered.request {
             ClientRequest::Request(wanted) => wanted.kind().ok(),
             _ => None,
         };
         if let Some(stop) = stop {
             self.pages.shared.stop.raise(stop, self.page.id);
-            return Ok(());
         }
-        match request {
-            ClientRequest::Alive => Ok(()),
-            request => self.queue(EventKind::Request(request)),
+        match (&numbered.request, numbered.number) {
+            // All that was sent before it has been read.
+            (ClientRequest::Alive, Some(number)) => self.send_to_page(&ServerMessage::Answer {
+                to: self.page.id,
+                number,
+                tick: None,
+                refused: None,
+            }),
+            (ClientRequest::Alive, None) => {}
+            // The queue gets a stop for its answer only, which comes when the stop is done.
+            (_, None) if stop.is_some() => {}
+            _ => return self.queue(EventKind::Request(numbered)),
         }
+        Ok(())
     }
 
     fn queue(&mut self, event: EventKind) -> Result<(), End> {
@@ -170,13 +182,16 @@ impl<S: Connection> Reader<'_, S> {
 
     /// Sends a refusal to this page alone.
     fn refuse(&self, text: String) {
-        let notice = ServerMessage::Notice {
+        self.send_to_page(&ServerMessage::Notice {
             to: Some(self.page.id),
             refused: true,
             text: brief(text),
-        };
+        });
+    }
+
+    fn send_to_page(&self, message: &ServerMessage<'_>) {
         // If many wait already, the page floods and loses this one.
-        let _ = self.refusals.try_send(notice.json());
+        let _ = self.own.try_send(message.json());
     }
 }
 
@@ -191,7 +206,7 @@ struct Writer<'a, S> {
     page: &'a Arc<Page>,
     pages: WebEnd,
     sink: SplitSink<Socket<S>, Message>,
-    /// Refusals for this page alone.
+    /// Messages to this page alone.
     own: mpsc::Receiver<Utf8Bytes>,
 }
 
@@ -211,7 +226,7 @@ impl<S: Connection> Writer<'_, S> {
                 changed = state.changed() => changed.map(|()| state.borrow_and_update().clone()).ok()?,
                 changed = fault.changed() => changed.map(|()| fault.borrow_and_update().clone()).ok()?,
                 changed = job.changed() => changed.map(|()| job.borrow_and_update().clone()).ok()?,
-                refusal = self.own.recv() => refusal,
+                own = self.own.recv() => own,
                 notice = notices.recv() => match notice {
                     Ok((to, text)) if to.is_none_or(|to| to == self.page.id) => Some(text),
                     Ok(_) | Err(RecvError::Lagged(_)) => None,

@@ -1,18 +1,19 @@
 //! What the stops do that pages ask for.
 
 use super::controller_thread::ControllerThread;
-use super::lease::PageId;
-use super::message::ServerMessage;
 use super::move_feeder::JobStatus;
-use super::stop_signal::Stop;
+use super::wire::lease::PageId;
+use super::wire::message::ServerMessage;
+use super::wire::stop_signal::Stop;
 use fivebar_firmware::Request;
 use fivebar_firmware::safety::State;
 use fivebar_sim::link::LinkError;
 
 impl ControllerThread {
-    /// Does the stops that pages have asked for; returns whether there was one.
+    /// Does the stops that pages have asked for, and that of a motion that is held no more; returns whether there was
+    /// one.
     pub(super) fn stop_if_asked(&mut self) -> Result<bool, LinkError> {
-        let mut asked = false;
+        let mut asked = self.stop_held_motion()?;
         for _ in 0..Stop::KINDS {
             let Some((stop, page)) = self.pages.shared.stop.take() else {
                 break;
@@ -44,7 +45,7 @@ impl ControllerThread {
         Ok(())
     }
 
-    fn stop_on_path(&mut self, page: PageId) -> Result<(), LinkError> {
+    pub(super) fn stop_on_path(&mut self, page: PageId) -> Result<(), LinkError> {
         // A console that waits for its next line is not held: it would answer no more.
         let is_idle = self.senders.is_console_idle(&self.session);
         if self.senders.is_in_control() && !is_idle {
@@ -67,6 +68,7 @@ impl ControllerThread {
         }
         self.run_asked_by = None;
         self.mode_wanted = None;
+        self.held_by = None;
     }
 
     /// Whether the arm rests, with bridges on or off.

@@ -1,6 +1,6 @@
 //! The strokes of a path, thinned so that their message stays small however long the job is.
 
-use super::message::Stroke;
+use super::wire::message::Stroke;
 
 /// Greatest length of the chords of a drawn arc while few points are drawn [m].
 const CHORD: f32 = 1e-3;

@@ -1,10 +1,10 @@
 //! The page's files and the websockets.
 
 use super::ServeError;
-use super::accept;
-use super::channels::WebEnd;
+use super::accept::{self, ShownToken};
 use super::guard::{Admission, Guard};
 use super::socket::exchange;
+use super::wire::channels::WebEnd;
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{Request, State};
@@ -146,7 +146,12 @@ pub(super) fn guarded(router: Router, guard: Guard) -> Router {
 
 async fn authorize(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let mut response = match guard.authorize(request.uri(), request.headers()) {
-        Ok(Admission::Serve) => next.run(request).await,
+        Ok(Admission::Serve) => {
+            if let Some(token) = request.extensions().get::<ShownToken>() {
+                token.set();
+            }
+            next.run(request).await
+        }
         Ok(Admission::SetCookie { cookie }) => {
             let headers = [(header::LOCATION, "/".into()), (header::SET_COOKIE, cookie)];
             (StatusCode::SEE_OTHER, headers).into_response()

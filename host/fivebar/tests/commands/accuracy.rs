@@ -1,10 +1,11 @@
 //! The command `fivebar accuracy`: its results for linkages and sliders, and its errors.
 
+use fivebar_testkit::program;
 use serde_json::Value;
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn accuracy(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     command.arg("accuracy").args(args).output().unwrap()
 }
 
@@ -203,7 +204,7 @@ fn tolerances_of_unknown_links_joints_or_points_are_refused() {
 fn an_arm_without_tolerances_gets_a_note() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("arm.toml");
-    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let output = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["new", "--defaults"])
         .arg(&file)
         .output()

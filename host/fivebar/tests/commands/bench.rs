@@ -1,7 +1,8 @@
 //! `fivebar sim`, run in a folder of its own.
 
+use fivebar_testkit::program;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// A temporary folder in which `fivebar sim` is run.
 pub(crate) struct Bench(tempfile::TempDir);
@@ -24,7 +25,7 @@ impl Bench {
 
     /// Runs `fivebar sim` in the folder.
     pub(crate) fn sim(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        program(env!("CARGO_BIN_EXE_fivebar"))
             .arg("sim")
             .args(arguments)
             .current_dir(self.0.path())

@@ -1,7 +1,7 @@
 //! `fivebar sim --by-cause`: the same run with each mismatch alone.
 
+use fivebar_testkit::program;
 use serde_json::Value;
-use std::process::Command;
 
 const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/jobs/petal.gcode");
 
@@ -16,7 +16,7 @@ fn each_mismatch_has_a_run_of_its_own_in_the_table_the_bars_and_the_json() {
     );
     std::fs::write(&file, text).unwrap();
     let run = |options: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        let output = program(env!("CARGO_BIN_EXE_fivebar"))
             .args(["sim", "case.toml", "--by-cause"])
             .args(options)
             .current_dir(folder.path())

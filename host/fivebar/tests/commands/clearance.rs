@@ -4,14 +4,15 @@ use fivebar_design::accuracy::five_bar::clearance_error;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_report::study::clearance::study;
+use fivebar_testkit::program;
 use serde_json::Value;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// A short line, so that the tests are fast.
 const LINE: &str = "G21 G90 F6000\nG0 X0 Y0\nM3\nG1 X10 Y0\nM5\n";
 
 fn fivebar(arguments: &[&str], out: &std::path::Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    program(env!("CARGO_BIN_EXE_fivebar"))
         .arg("clearance")
         .args(arguments)
         .arg("--out")

@@ -1,13 +1,17 @@
 //! Outputs that are closed early, as in `fivebar robots | head -1`, or full.
 
-use std::process::{Command, Stdio};
+use fivebar_testkit::program;
+use std::process::Stdio;
 
-/// The exit status of a command whose standard output and error are closed.
+/// The exit status of a command whose standard output and error are closed. It finds no other program to start: how long
+/// those of this machine take is not in question.
 fn status_without_reader(arguments: &[&str]) -> Option<i32> {
     let folder = tempfile::tempdir().unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    std::fs::write(folder.path().join("line.gcode"), "G1 X1 F6000\n").unwrap();
+    let mut child = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(arguments)
         .current_dir(folder.path())
+        .env("PATH", folder.path())
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -26,7 +30,10 @@ fn commands_end_normally_if_their_output_is_closed() {
         (&["--json"], 0),
         (&["accuracy", "benchtop", "--at", "0.04,0.2"], 0),
         (&["accuracy", "benchtop", "--at", "0.04,0.2", "--json"], 0),
-        (&["clearance", "benchtop", "--radius", "20e-6"], 0),
+        (
+            &["clearance", "benchtop", "line.gcode", "--radius", "20e-6"],
+            0,
+        ),
         (&["completions", "bash"], 0),
         (&["doctor"], 0),
         (&["doctor", "--json"], 0),
@@ -60,7 +67,7 @@ fn commands_end_normally_if_their_output_is_closed() {
 #[test]
 fn a_full_output_device_is_reported() {
     let full = std::fs::File::create("/dev/full").unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     let output = command.arg("robots").stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
@@ -83,7 +90,7 @@ fn devices_and_links_given_as_files_are_written_into_and_stay() {
     std::os::unix::fs::symlink("target", path("link")).unwrap();
     std::os::unix::fs::symlink("/dev/full", path("full")).unwrap();
     let status = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+        let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
         let output = command.args(arguments).current_dir(folder.path()).output();
         let output = output.unwrap();
         let message = String::from_utf8(output.stderr).unwrap();

@@ -1,11 +1,11 @@
 //! `fivebar` without arguments.
 
-use std::process::Command;
+use fivebar_testkit::program;
 
 #[test]
 fn fivebar_without_arguments_draws_and_writes_a_report() {
     let folder = tempfile::tempdir().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let output = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["--out", "new/folder"])
         .current_dir(folder.path())
         .output()

@@ -1,14 +1,15 @@
 //! The command `fivebar design`: its answer, the robot file that it writes, and its errors.
 
 use fivebar_files::robot::Robot;
+use fivebar_testkit::program;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
 const DESIGNS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/designs");
 
 fn fivebar(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     command.args(args).stdin(Stdio::null()).output().unwrap()
 }
 
@@ -69,12 +70,13 @@ fn the_robot_file_has_whole_millimetres_and_every_command_takes_it() {
             "{length} m"
         );
     }
+    std::fs::write(folder.path().join("line.gcode"), "G1 X5 F6000\n").unwrap();
     for command in [
         &["query", "--robot", file][..],
         &["margins", file],
-        &["sim", "--robot", file],
+        &["sim", "line.gcode", "--robot", file],
     ] {
-        let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+        let output = program(env!("CARGO_BIN_EXE_fivebar"))
             .args(command)
             .current_dir(folder.path())
             .stdin(Stdio::null())

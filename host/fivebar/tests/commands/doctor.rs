@@ -1,13 +1,14 @@
 //! The command `fivebar doctor` on machines with and without the programs that it checks.
 
+use fivebar_testkit::program;
 use serde_json::Value;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// Runs `fivebar doctor` with only one folder in PATH.
 fn doctor(programs: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     let command = command.arg("doctor").args(arguments);
     command.env("PATH", programs).output().unwrap()
 }

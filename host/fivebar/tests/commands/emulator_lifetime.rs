@@ -45,7 +45,7 @@ fn the_emulator_ends_when_fivebar_is_killed() {
     let image = folder.path().join("image");
     fs::write(&image, "").expect("the file can be written");
     let path = std::env::var("PATH").unwrap_or_default();
-    let mut fivebar = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let mut fivebar = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .arg("pil")
         .arg("--image")
         .arg(&image)

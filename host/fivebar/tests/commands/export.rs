@@ -1,12 +1,13 @@
 //! The command `fivebar export`. The contents of the models are checked by the programs that
 //! read them (scripts/peers.sh).
 
+use fivebar_testkit::program;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use usvg::roxmltree::Document;
 
 fn export(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     command.arg("export").args(arguments).output().unwrap()
 }
 
@@ -100,4 +101,53 @@ fn a_path_that_cannot_be_written_is_named_in_the_error() {
         message.contains(folder.path().to_str().unwrap()),
         "{message}"
     );
+}
+
+/// scripts/peers.sh compares the motion with other engines; this is what the file has for it.
+#[test]
+fn urdf_has_the_rotors_the_friction_and_the_tool_and_says_what_it_has_not() {
+    let model = String::from_utf8(export(&["urdf", "benchtop"]).stdout).unwrap();
+    let document = Document::parse(&model).unwrap();
+    let robot = fivebar_files::robot::Robot::load("benchtop").unwrap();
+    let arm = robot.arm().unwrap();
+    let rotors = arm.rotor_inertia();
+    assert!(rotors.iter().all(|&rotor| rotor > 0.0));
+    let named = |kind: &str, name: &str| {
+        let mut nodes = document.descendants();
+        nodes.find(|node| node.has_tag_name(kind) && node.attribute("name") == Some(name))
+    };
+    for (name, index, rotor) in [("link1", 0, rotors[0]), ("link4", 3, rotors[1])] {
+        let link = named("link", name).unwrap();
+        let inertia = link.descendants().find(|node| node.has_tag_name("inertia"));
+        let izz: f64 = inertia.unwrap().attribute("izz").unwrap().parse().unwrap();
+        let alone = arm.links()[index].inertia;
+        assert!((izz - alone - rotor).abs() < 1e-15, "{name}: {izz}");
+    }
+    let drives = robot.actuators.unwrap();
+    for (name, drive) in ["A", "E"].into_iter().zip(drives) {
+        let joint = named("joint", name).unwrap();
+        let dynamics = joint.children().find(|node| node.has_tag_name("dynamics"));
+        let dynamics = dynamics.unwrap();
+        let number = |key: &str| dynamics.attribute(key).unwrap().parse::<f64>().unwrap();
+        assert_eq!(number("damping"), drive.viscous_friction);
+        assert_eq!(number("friction"), drive.coulomb_friction);
+    }
+    assert!(named("link", "tool").is_some());
+    for words in [
+        "set it to (0, 0, 0) m/s²",
+        "leave the joints' armature at 0",
+    ] {
+        assert!(model.contains(words), "{words}");
+    }
+    // The models have no gains: with a bandwidth in the file none are searched for the belts.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("belts.toml");
+    let belts = include_str!("../../../files/robots/benchtop_belt.toml");
+    std::fs::write(&path, format!("{belts}\n[control]\nbandwidth = 100.0\n")).unwrap();
+    for format in ["urdf", "mjcf"] {
+        let belts = export(&[format, path.to_str().unwrap()]).stdout;
+        let belts = String::from_utf8(belts).unwrap();
+        assert!(belts.contains("Not in this model: the stiffness of the drives, "));
+        assert!(Document::parse(&belts).is_ok());
+    }
 }

@@ -20,7 +20,7 @@ fn limited(folder: &Path, blocks: u32, args: &str) -> Output {
 #[test]
 fn a_command_whose_file_does_not_fit_says_so_and_leaves_no_part_of_it() {
     for (args, file) in [
-        ("sim --robot benchtop --out out", "out/"),
+        ("sim line.gcode --robot benchtop --out out", "out/"),
         ("workspace benchtop --resolution 8 --out out", "out/"),
         ("accuracy benchtop --map --out out", "out/report.html"),
         ("mobility five-bar --out out", "out/report.html"),
@@ -30,6 +30,7 @@ fn a_command_whose_file_does_not_fit_says_so_and_leaves_no_part_of_it() {
         ("new arm.toml --defaults", "arm.toml"),
     ] {
         let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("line.gcode"), "G0 X0 Y0\nG1 X1 F600\n").unwrap();
         let output = limited(folder.path(), 1, args);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{args}: {message}");

@@ -2,10 +2,10 @@
 //! a jig, where no switch is asked for.
 
 use crate::commission::{commission, record, text, value};
+use fivebar_testkit::program;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 const BENCHTOP: &str = include_str!("../../../files/robots/benchtop.toml");
 
@@ -55,7 +55,7 @@ pub(crate) fn demonstrated(robot: &str) -> f64 {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("arm.toml");
     fs::write(&file, robot).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let output = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["sim", "--json", "--robot"])
         .arg(&file)
         .arg("--out")

@@ -1,10 +1,11 @@
 //! The command `fivebar linkage`: its output, files and errors.
 
+use fivebar_testkit::program;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn linkage(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     command.arg("linkage").args(args).output().unwrap()
 }
 

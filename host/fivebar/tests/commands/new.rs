@@ -1,6 +1,7 @@
 //! The command `fivebar new` and the robot files that it writes.
 
 use fivebar_files::robot::{CanMotor, Draft, Motors, Robot, StepperMotor};
+use fivebar_plant::DriverMode;
 use proptest::prelude::*;
 use std::io::Write;
 use std::path::Path;
@@ -10,7 +11,7 @@ const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/jobs/petal.gc
 
 /// Runs `fivebar new arm.toml` in a folder with these lines as answers.
 fn new(folder: &Path, arguments: &[&str], answers: &str) -> Output {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let mut program = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["new", "arm.toml"])
         .args(arguments)
         .current_dir(folder)
@@ -40,7 +41,7 @@ fn the_default_arm_can_be_simulated() {
     let output = new(folder.path(), &["--defaults"], "");
     assert!(output.status.success(), "{}", message(&output));
     assert_eq!(load(folder.path()).name, "arm");
-    let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let run = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["sim", PETAL, "--robot", "arm.toml", "--json"])
         .current_dir(folder.path())
         .output()
@@ -61,7 +62,7 @@ fn a_coaxial_arm_keeps_its_links_and_can_be_simulated() {
     assert!(output.status.success(), "{}", message(&output));
     let robot = load(folder.path());
     assert_eq!(robot.geometry.lengths(), [0.1, 0.16, 0.16, 0.1, 0.0]);
-    let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let run = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["sim", PETAL, "--robot", "arm.toml", "--json"])
         .current_dir(folder.path())
         .output()
@@ -185,7 +186,7 @@ fn new_then_sim(answers: [&str; 10]) -> (String, String, Output) {
     assert!(output.status.success(), "{message}");
     let offer = String::from_utf8(output.stdout).unwrap();
     let (_, command) = offer.split_once("fivebar ").expect("a suggested command");
-    let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let run = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .args(command.split_whitespace())
         .current_dir(folder.path())
         .output()
@@ -245,7 +246,7 @@ fn petal_of(answers: &[&str]) -> (Robot, serde_json::Value) {
     let message = message(&output);
     assert!(output.status.success(), "{message}");
     assert!(!message.contains("Not valid"), "{message}");
-    let run = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let run = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["sim", PETAL, "--robot", "arm.toml", "--json"])
         .current_dir(folder.path())
         .output()
@@ -266,12 +267,13 @@ const ARM: [&str; 9] = [""; 9];
 
 #[test]
 fn steppers_of_own_data_draw_without_losing_a_step() {
-    // Gear, full steps, micro-steps, holding torque, current, resistance, inductance, rotor inertia.
-    let motor = ["-5", "400", "8", "0,3", "1.2A", "2.4", "4 mH", "3.5e-6"];
+    // Gear, full steps, micro-steps, holding torque, current, resistance, inductance, rotor inertia, driver.
+    let motor = ["-5", "400", "8", "0,3", "1.2A", "2.4", "4 mH", "3.5e-6", ""];
     let (robot, figures) = petal_of(&[&ARM[..], &["stepper"], &motor].concat());
     let [stepper, other] = robot.steppers().unwrap();
     assert_eq!(stepper, other);
     assert_eq!((stepper.gear_ratio, stepper.microsteps), (-5.0, 8));
+    assert_eq!(stepper.driver, DriverMode::Current);
     assert_eq!(figures["lost_steps"], serde_json::json!([0, 0]));
     let rms = figures["tip_error"]["rms_m"].as_f64().unwrap();
     assert!(rms < 1e-4, "{rms} m");
@@ -322,6 +324,7 @@ fn hobby_servos_of_own_data_draw_within_millimetres() {
     let motor = ["0.6 ms, 2.4 ms", "3.0", "8", "0.3 N·m", "2 µs", "300"];
     let (robot, figures) = petal_of(&[&ARM[..], &["servo"], &motor].concat());
     let [servo, _] = robot.hobby_servos().unwrap();
+    assert_eq!(robot.supply.voltage, 6.0);
     assert_eq!(servo.pulse_range, [0.6e-3, 2.4e-3]);
     assert_eq!((servo.travel, servo.max_speed), (3.0, 8.0));
     assert_eq!((servo.stall_torque, servo.frame_rate), (0.3, 300.0));
@@ -354,7 +357,8 @@ fn known_keys(text: &str) -> Vec<String> {
 #[test]
 fn the_file_explains_every_key_with_its_unit() {
     // Dimensionless numbers, and values that are not numbers.
-    const WITHOUT_UNIT: [&str; 28] = [
+    const WITHOUT_UNIT: [&str; 29] = [
+        "driver",
         "motion_torque",
         "protocol",
         "node",

@@ -5,9 +5,9 @@ use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Reply, Sequence, VERSION, encode,
 };
+use fivebar_testkit::program;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
-use std::process::Command;
 
 /// Connects to both addresses in its arguments. After the first byte on the serial line it
 /// sends the file `answer`; then it reads on.
@@ -36,7 +36,7 @@ fn the_error_for_an_image_of_another_release_says_how_to_build_it() {
     fs::write(&image, "never read").unwrap();
 
     let path = std::env::var("PATH").unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let output = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["pil", "--image"])
         .arg(&image)
         .env("PATH", format!("{}:{path}", folder.path().display()))

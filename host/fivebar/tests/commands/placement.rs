@@ -1,8 +1,9 @@
 //! Where a job is drawn: by itself, by --fit, and what a refusal advises.
 
 use crate::bench::Bench;
+use fivebar_testkit::program;
 use serde_json::Value;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/jobs/petal.gcode");
 
@@ -61,13 +62,23 @@ impl Bench {
 }
 
 fn rectangle(width: f64, height: f64) -> String {
-    format!("G21 G90 F9000\nG0 X0 Y0\nM3\nG1 X{width}\nG1 Y{height}\nG1 X0\nG1 Y0\nM5\n")
+    format!("G21 G90 F18000\nG0 X0 Y0\nM3\nG1 X{width}\nG1 Y{height}\nG1 X0\nG1 Y0\nM5\n")
 }
 
 #[test]
-fn rectangles_up_to_the_largest_clear_page_are_placed_by_themselves() {
+fn a_rectangle_as_large_as_the_largest_clear_page_is_placed_by_itself() {
+    are_placed(&[(234.0, 90.0)]);
+}
+
+#[test]
+#[ignore = "some seconds: ./ci.sh tables"]
+fn whole_table_of_rectangles_that_are_placed_by_themselves() {
+    are_placed(&[(200.0, 80.0), (220.0, 85.0), (230.0, 89.0), (234.0, 90.0)]);
+}
+
+fn are_placed(rectangles: &[(f64, f64)]) {
     let bench = Bench::new();
-    for (width, height) in [(200.0, 80.0), (220.0, 85.0), (230.0, 89.0), (234.0, 90.0)] {
+    for &(width, height) in rectangles {
         let job = bench.file("page.gcode", &rectangle(width, height));
         bench.drawn(&[&job]);
         let [low, high] = bench.extent();
@@ -90,6 +101,16 @@ fn advised(message: &str) -> Vec<Vec<String>> {
 
 #[test]
 fn a_drawing_that_is_too_large_is_refused_with_the_sizes_and_a_scale_that_works() {
+    are_refused_with_a_way_out(|job| job.contains("a4"));
+}
+
+#[test]
+#[ignore = "some seconds: ./ci.sh tables"]
+fn whole_table_of_drawings_that_are_too_large() {
+    are_refused_with_a_way_out(|_| true);
+}
+
+fn are_refused_with_a_way_out(is_chosen: impl Fn(&str) -> bool) {
     let bench = Bench::new();
     let long = bench.file("long.gcode", "G0 X0 Y0\nG1 X9000 F18000\n");
     let line = bench.file("line.gcode", "G0 X0 Y0\nG1 X300 F18000\n");
@@ -104,7 +125,10 @@ fn a_drawing_that_is_too_large_is_refused_with_the_sizes_and_a_scale_that_works(
             &[PETAL, "--scale", "100"],
             ["petal.gcode, line 5:", "2000 × 828.4 mm"],
         ),
-    ] {
+    ]
+    .into_iter()
+    .filter(|(_, words)| is_chosen(words[0]))
+    {
         let message = bench.refused(arguments);
         for word in words
             .into_iter()
@@ -214,7 +238,7 @@ fn an_svg_is_drawn_in_its_true_size() {
 /// What the program prints on its standard output when `text` is its standard input.
 fn piped(arguments: &[&str], text: &[u8]) -> Vec<u8> {
     let bench = Bench::new();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let mut child = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(arguments)
         .current_dir(bench.path(""))
         .stdin(Stdio::piped())
@@ -267,7 +291,7 @@ fn nothing_of_another_run_stays_beside_new_results() {
     bench.drawn(&[PETAL, "--out", "mine"]);
     let own = bench.path("mine/notes.csv");
     std::fs::write(&own, "my own").unwrap();
-    let linkage = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let linkage = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["linkage", "four_bar", "--out", "mine"])
         .current_dir(bench.path(""))
         .output()

@@ -1,11 +1,12 @@
 //! The command `fivebar plan`: its keys, options and refusals.
 
+use fivebar_testkit::program;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn plan(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     command.arg("plan").args(args).output().unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 const VECTORS: &str = include_str!("../../../../tests/data/five_bar_vectors.json");
 
@@ -30,7 +30,7 @@ fn ask(robot: &str, lines: &[String]) -> Vec<Value> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.toml");
     std::fs::write(&file, robot).unwrap();
-    let mut program = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let mut program = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["query", "--robot"])
         .arg(&file)
         .stdin(Stdio::piped())
@@ -254,7 +254,7 @@ fn numbers_are_read_exactly() {
 
 #[test]
 fn a_missing_robot_is_named_in_the_error() {
-    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let output = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["query", "--robot", "nowhere/none.toml"])
         .output()
         .unwrap();
@@ -284,4 +284,32 @@ fn a_coaxial_arm_is_solved_both_ways() {
         assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
     }
     assert_eq!(answers[1]["error"], "singular");
+}
+
+#[test]
+fn a_query_with_a_key_that_no_query_has_is_refused_with_the_nearest_one() {
+    let forward = |key: &str| {
+        json!({"op": "forward", "theta1": 2.0, "theta4": 1.0, "assembly": "left", key: "left"})
+            .to_string()
+    };
+    // A reference state has the keys of other queries and of answers.
+    let lines = [
+        forward("elbw1"),
+        forward("elbow1"),
+        forward("robot"),
+        forward("zzz"),
+    ];
+    let answers = ask(include_str!("../../../files/robots/benchtop.toml"), &lines);
+    assert_eq!(answers[0]["error"], "invalid");
+    assert_eq!(
+        answers[0]["message"],
+        "unknown key `elbw1`; did you mean `elbow1`?"
+    );
+    assert!(answers[1]["c"].is_array() && answers[2]["c"].is_array());
+    assert_eq!(answers[3]["message"], "unknown key `zzz`");
+    let slider = [r#"{"op":"inverse","p":[0.2,0.3],"letf":"positive"}"#.to_owned()];
+    assert_eq!(
+        ask(include_str!("../../../files/robots/slider.toml"), &slider)[0]["message"],
+        "unknown key `letf`; did you mean `left`?"
+    );
 }

@@ -10,7 +10,7 @@ fn ask_of(robot: &str, questions: &[Value]) -> Vec<Value> {
     let robot = SliderRobot::parse("slider.toml", robot).unwrap();
     let lines: String = questions.iter().map(|line| format!("{line}\n")).collect();
     let mut output = Vec::new();
-    serve(lines.as_bytes(), &mut output, |request| {
+    serve(lines.as_bytes(), &mut output, &slider::KEYS, |request| {
         slider::answer(&robot, request)
     })
     .unwrap();

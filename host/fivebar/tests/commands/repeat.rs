@@ -1,12 +1,13 @@
 //! `fivebar sim --repeat`: runs in the summary, and what was learnt in a file that belongs to one robot and one job.
 
+use fivebar_testkit::program;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn sim(folder: &Path, args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = program(env!("CARGO_BIN_EXE_fivebar"));
     command.current_dir(folder).args(["sim", "wrong.toml"]);
     command.args(args).output().unwrap()
 }

@@ -3,7 +3,7 @@
 use std::process::{Command, Output};
 
 fn fivebar(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fivebar"));
+    let mut command = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"));
     command.args(arguments).output().unwrap()
 }
 

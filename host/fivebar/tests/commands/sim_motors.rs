@@ -1,6 +1,7 @@
 //! `fivebar sim` with a current sensor or an encoder that fails.
 
 use crate::bench::Bench;
+use fivebar_testkit::program;
 
 const PETAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../files/jobs/petal.gcode");
 
@@ -11,7 +12,7 @@ fn hobby_servos_draw_in_the_simulation_and_no_image_drives_them() {
     let text = String::from_utf8_lossy(&output.stdout);
     let stated = "servos      dead band 1.57 mm with a straight leg, late by up to 36.8 ms";
     assert!(text.contains(stated), "{text}");
-    let drive = std::process::Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let drive = program(env!("CARGO_BIN_EXE_fivebar"))
         .args([
             "drive",
             PETAL,

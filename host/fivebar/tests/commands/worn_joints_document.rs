@@ -1,8 +1,8 @@
 //! Compares docs/design/worn-joints.md with the output of its first command: all digits where the
 //! motion is regular, approximately where it is chaotic.
 
+use fivebar_testkit::program;
 use serde_json::Value;
-use std::process::Command;
 
 const DOCUMENT: &str = include_str!("../../../../docs/design/worn-joints.md");
 
@@ -118,7 +118,7 @@ fn cells(name: &str) -> Vec<&'static str> {
 #[test]
 fn the_table_is_what_the_first_command_prints() {
     let folder = tempfile::tempdir().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_fivebar"))
+    let output = program(env!("CARGO_BIN_EXE_fivebar"))
         .args(["clearance", "benchtop", "--radius", "5e-6,10e-6,20e-6"])
         .args(["--json", "--out"])
         .arg(folder.path())

@@ -41,7 +41,7 @@ fn a_job_is_executed_completely_and_the_bridges_are_off_afterwards() {
     drive
         .compare_settings(&arm::settings())
         .expect("equal settings");
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
     let mut most = 0;
     drive
         .follow(&long_job(), &arm::settings(), &mut |taken, _| most = taken)
@@ -55,7 +55,7 @@ fn a_job_is_executed_completely_and_the_bridges_are_off_afterwards() {
 }
 
 /// The same job by timed moves, from where the arm is.
-fn timed_job(drive: &mut Drive<'_, Loopback>) -> Vec<Move> {
+fn timed_job(drive: &mut Drive<'_, Client<Loopback>>) -> Vec<Move> {
     let mut planner = Planner::new(&arm::settings().check().expect("valid settings"));
     let job = JobPlanner::new(&arm::robot(), 0.7).expect("the robot has masses");
     let from = drive.tool().expect("the arm is homed");
@@ -67,7 +67,7 @@ fn timed_job(drive: &mut Drive<'_, Loopback>) -> Vec<Move> {
 fn a_time_optimal_job_is_executed_completely_and_can_be_stopped() {
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
     let job = timed_job(&mut drive);
     let timed = |next: &&Move| matches!(next.kind, MoveKind::Timed(_));
     assert!(job.iter().filter(timed).count() > 100);
@@ -96,7 +96,7 @@ fn a_time_optimal_job_is_executed_completely_and_can_be_stopped() {
 fn a_job_rests_at_its_pauses_with_the_tool_up_until_it_may_go_on() {
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
     let mut job = long_job();
     job.truncate(6);
     for next in &mut job {
@@ -145,7 +145,7 @@ fn a_request_to_stop_brings_the_arm_to_rest_and_removes_its_power() {
     };
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
     let mut drive = Drive::new(&mut client, &stop_requested);
     let outcome = drive.follow(&long_job(), &arm::settings(), &mut |_, _| ());
     let stopped = matches!(outcome, Err(DriveError::Stopped(Some(2..=39))));
@@ -163,7 +163,7 @@ fn an_infeasible_move_is_refused_before_the_arm_moves() {
     };
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
     let outcome = drive.follow(&job, &arm::settings(), &mut |_, _| panic!("the arm moves"));
     match outcome {
         Err(DriveError::Move(refusal)) => {
@@ -204,7 +204,7 @@ fn a_latched_fault_is_reported_and_prevents_motion_until_it_is_cleared() {
         .expect("the command is accepted");
     client.poll().expect("the link works");
     let mut drive = Drive::new(&mut client, &|| false);
-    let outcome = drive.home(Homing::Switches);
+    let outcome = drive.home(Homing::IfUnknown);
     let Err(error @ DriveError::Fault(Fault::EmergencyStop)) = outcome else {
         panic!("{outcome:?}");
     };
@@ -213,11 +213,11 @@ fn a_latched_fault_is_reported_and_prevents_motion_until_it_is_cleared() {
         "{error}"
     );
     drive.clear_fault().expect("the fault is cleared");
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
 }
 
 /// The time that a job takes [s]: planned before, then driven.
-fn times_of(moves: &[Move], drive: &mut Drive<'_, Loopback>) -> [f64; 2] {
+fn times_of(moves: &[Move], drive: &mut Drive<'_, Client<Loopback>>) -> [f64; 2] {
     let settings = arm::settings();
     let start = PlanStart {
         tool: drive.tool().expect("the arm is homed"),
@@ -244,7 +244,7 @@ fn times_of(moves: &[Move], drive: &mut Drive<'_, Loopback>) -> [f64; 2] {
 fn the_planned_time_of_a_job_is_that_of_its_run() {
     let mut client = client();
     let mut drive = Drive::new(&mut client, &|| false);
-    drive.home(Homing::Switches).expect("homing succeeds");
+    drive.home(Homing::IfUnknown).expect("homing succeeds");
     let zigzag: String = (0..100)
         .map(|i| format!("G1 X{} Y{}\n", 0.05 * f64::from(i), i % 2))
         .collect();

@@ -1,17 +1,18 @@
-//! Controllers over links and serial ports, and senders of G-code.
+//! Controllers over links and serial ports.
 
 mod arm;
 #[cfg(unix)]
 mod board;
-mod bridge;
+#[cfg(target_os = "linux")]
+mod children;
 mod crossed;
 mod driving;
 #[cfg(unix)]
 mod hil;
-#[cfg(target_os = "linux")]
-mod intruders;
+mod homing;
 mod lines;
-mod senders;
+#[cfg(target_os = "linux")]
+mod sender;
 #[cfg(unix)]
 mod serial;
 #[cfg(unix)]

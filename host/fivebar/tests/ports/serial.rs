@@ -7,7 +7,6 @@ use fivebar_firmware::drives::BrushedSample;
 use fivebar_sim::link::Loopback;
 use std::io::Write;
 use std::process::Command;
-use std::time::Duration;
 
 /// A job of more than a second.
 fn job() -> tempfile::NamedTempFile {
@@ -121,11 +120,10 @@ fn ctrl_c_stops_the_arm_and_the_line_is_reported() {
         let log = std::fs::read_to_string(log.path()).unwrap_or_default();
         log.matches("state: Running").count()
     };
-    let moving = (0..2000).any(|_| {
-        std::thread::sleep(Duration::from_millis(5));
-        moves() > 5
-    });
-    assert!(moving, "the arm does not move");
+    while moves() <= 5 {
+        let now = board.until(|_| true).tick;
+        board.until(|status| status.tick > now);
+    }
     let killed = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status();

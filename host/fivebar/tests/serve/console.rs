@@ -1,6 +1,7 @@
 //! The console of a page: lines of G-code, answered as by the bridge.
 
-use crate::program::{Page, Server, number, speed, time};
+use crate::in_process::{Page, Server};
+use crate::state::{number, speed, time};
 use serde_json::{Value, json};
 
 fn say(page: &mut Page, line: &str) {
@@ -24,7 +25,7 @@ fn tool(state: &Value) -> [f64; 2] {
 
 #[test]
 fn the_console_answers_as_the_bridge_and_its_page_can_go_on_with_other_controls() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     let before = tool(&page.latest_state());
@@ -60,7 +61,7 @@ fn the_console_answers_as_the_bridge_and_its_page_can_go_on_with_other_controls(
 
 #[test]
 fn a_page_stops_its_console_and_other_pages_and_senders_cannot_use_it() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     let mut other = server.page();
@@ -85,7 +86,7 @@ fn a_page_stops_its_console_and_other_pages_and_senders_cannot_use_it() {
 
 #[test]
 fn the_arm_rests_when_the_page_of_a_console_is_lost() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut watcher = server.page();
     let mut page = server.page();
     page.take_control_and_arm();
@@ -99,6 +100,8 @@ fn the_arm_rests_when_the_page_of_a_console_is_lost() {
     assert_eq!(rest["state"], "Armed");
     let mut again = server.page();
     again.take_control_and_arm();
-    again.send(&json!({ "jog": [0.001, 0.0] }));
-    again.state_named("Running");
+    let there = |state: &Value| number(&state["tool"][0]);
+    let before = there(&again.latest_state());
+    again.accepted(&json!({ "jog": [0.001, 0.0] }));
+    again.state("the jog", |state| there(state) - before > 0.9e-3);
 }

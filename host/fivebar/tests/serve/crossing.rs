@@ -1,6 +1,7 @@
 //! Jobs that cross to the other assembly mode.
 
-use crate::program::{Page, Server, number};
+use crate::in_process::{Page, Server};
+use crate::state::number;
 use serde_json::{Value, json};
 
 /// Home of the arm [mm] becomes its place in the frame of the base.
@@ -11,7 +12,7 @@ fn server() -> Server {
         env!("CARGO_MANIFEST_DIR"),
         "/../files/robots/short_couplers.toml"
     );
-    Server::start(&["--robot", robot])
+    Server::of(robot, None)
 }
 
 fn load(page: &mut Page, text: &str) -> Value {
@@ -32,7 +33,7 @@ fn notice(page: &mut Page, words: &str) {
 fn drawn_to_the_end(page: &mut Page) -> Vec<[f64; 2]> {
     let mut drawn = Vec::new();
     loop {
-        let Some(message) = page.next() else { continue };
+        let message = page.next();
         if let Some(state) = message.get("state")
             && state["tool_level"] != 0.0
         {

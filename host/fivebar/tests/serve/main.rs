@@ -1,17 +1,15 @@
-//! `fivebar serve` under load, with hostile clients and with pages that are lost. Websockets take
-//! the place of pages. Times are the controller's, which a busy machine slows down, too.
-#![cfg(target_os = "linux")]
+//! The live page's server in process, by virtual time. Websockets take the place of pages.
 
-mod commission;
+#[path = "../arms/mod.rs"]
+mod arms;
 mod console;
 mod crossing;
 mod held_motion;
-mod hostile;
+mod hostile_files;
+mod in_process;
+mod kinds;
 mod lost_page;
 mod own_job;
-mod port;
-mod program;
-mod senders;
-mod soak;
+mod state;
 mod stops;
 mod time_optimal;

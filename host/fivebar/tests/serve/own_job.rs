@@ -1,13 +1,16 @@
 //! A job belongs to the host: it keeps its place, and runs on without a page if it was told to.
 
-use crate::program::{Page, Server, number, speed, time};
+use crate::in_process::{Page, Server};
+use crate::state::{number, speed, time};
 use serde_json::{Value, json};
 
 /// Strokes to and fro for about four seconds, one on each line from 3 to 6.
+/// Loads four strokes, and waits for the last message that comes of it. A job's message comes when the job is checked and
+/// again when its time is planned; a page that reads late gets only the second.
 fn load(page: &mut Page) {
     let text = format!("G21 G90 F3000\nM3\n{}", "G1 X40\nG1 X0\n".repeat(2));
-    page.send(&json!({ "load": { "name": "strokes", "text": text } }));
-    page.wait("the job", |message| message.get("job").cloned());
+    page.accepted(&json!({ "load": { "name": "strokes", "text": text } }));
+    page.wait("the job", |message| message["job"]["time"].as_f64());
 }
 
 fn run(page: &mut Page) {
@@ -33,7 +36,7 @@ fn drawn_to_the_end(page: &mut Page) -> Vec<[f64; 2]> {
 fn drawn_with(page: &mut Page, is_down: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
     let mut drawn = Vec::new();
     loop {
-        let Some(message) = page.next() else { continue };
+        let message = page.next();
         if let Some(state) = message.get("state")
             && is_down(number(&state["tool_level"]))
         {
@@ -51,7 +54,7 @@ fn drawn_with(page: &mut Page, is_down: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
 
 #[test]
 fn a_job_told_to_run_on_ends_though_its_page_is_closed_and_a_page_that_comes_back_has_control() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut watcher = server.page();
     let mut page = server.page();
     page.take_control_and_arm();
@@ -71,7 +74,7 @@ fn a_job_told_to_run_on_ends_though_its_page_is_closed_and_a_page_that_comes_bac
 
 #[test]
 fn a_plain_job_stops_with_its_page_and_goes_on_at_its_place() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     load(&mut page);
@@ -89,7 +92,7 @@ fn a_plain_job_stops_with_its_page_and_goes_on_at_its_place() {
 
 #[test]
 fn a_stopped_job_goes_on_where_the_tool_was_lifted_though_the_arm_was_jogged_away() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     load(&mut page);
@@ -113,7 +116,7 @@ fn a_stopped_job_goes_on_where_the_tool_was_lifted_though_the_arm_was_jogged_awa
 
 #[test]
 fn a_job_goes_on_after_an_emergency_stop_by_another_page() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     load(&mut page);
@@ -129,7 +132,7 @@ fn a_job_goes_on_after_an_emergency_stop_by_another_page() {
 
 #[test]
 fn a_job_starts_at_a_line_with_the_tool_up_on_the_way_there() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     load(&mut page);
@@ -145,7 +148,7 @@ fn a_job_starts_at_a_line_with_the_tool_up_on_the_way_there() {
 
 #[test]
 fn a_share_of_the_feed_rate_takes_effect_within_a_second_and_a_half() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     let text = "G21 G90 F600\nM3\nG1 X80\nG1 X0\n";
@@ -172,7 +175,7 @@ fn a_share_of_the_feed_rate_takes_effect_within_a_second_and_a_half() {
 
 #[test]
 fn the_time_of_a_job_and_the_time_left_are_those_of_its_run() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     // Circles and a zigzag, whose corners take most of the time.
@@ -206,11 +209,12 @@ fn the_time_of_a_job_and_the_time_left_are_those_of_its_run() {
 
 #[test]
 fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     load(&mut page);
     let box_of = |message: &Value| {
+        message["job"]["time"].as_f64()?;
         let strokes = message["job"]["strokes"].as_array()?;
         let down = strokes.iter().filter(|stroke| stroke["down"] == true);
         let points = down.flat_map(|stroke| stroke["points"].as_array().expect("points"));
@@ -220,17 +224,18 @@ fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
         Some([least(0), least(1), most(0), most(1)])
     };
     let place = json!({ "about": [0.04, 0.17], "by": [0.0, 0.0], "scale": 1.0, "turn": 0.0 });
-    page.send(&json!({ "place": place }));
-    let [left, low, right, _] = page.wait("the same", box_of);
+    page.accepted(&json!({ "place": place }));
+    let before @ [left, low, right, _] = page.wait("the same", box_of);
     let middle = [0.5 * (left + right), low];
     let turn = std::f64::consts::FRAC_PI_2;
     let place = json!({ "about": middle, "by": [0.01, 0.0], "scale": 0.5, "turn": turn });
-    page.send(&json!({ "place": place }));
+    page.accepted(&json!({ "place": place }));
     let [left, low, right, high] = page.wait("the new place", box_of);
+    assert_ne!([left, low, right, high], before);
     assert!((left - right).abs() < 1e-6 && (left - middle[0] - 0.01).abs() < 1e-6);
     assert!((high - low - 0.02).abs() < 1e-6 && (0.5 * (high + low) - middle[1]).abs() < 1e-6);
     let away = json!({ "about": middle, "by": [0.5, 0.0], "scale": 1.0, "turn": 0.0 });
-    page.send(&json!({ "place": away }));
+    page.accepted(&json!({ "place": away }));
     page.wait("a refusal", |message| {
         message["job"]["refusal"].as_str().map(str::to_owned)
     });
@@ -238,7 +243,7 @@ fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
 
 #[test]
 fn the_working_mode_changes_through_a_stretched_leg_and_back() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     // From here leg 1 can be stretched, and the elbows cannot point inwards.
@@ -269,7 +274,7 @@ fn the_working_mode_changes_through_a_stretched_leg_and_back() {
 
 #[test]
 fn a_job_waits_at_m0_with_the_tool_up_until_it_is_resumed_though_the_arm_was_jogged() {
-    let server = Server::start(&["--robot", "benchtop_pen"]);
+    let server = Server::of("benchtop_pen", None);
     let mut page = server.page();
     page.take_control_and_arm();
     let text = "G21 G90 F3000\nM3\nG1 X40\nM0 (the red pen)\nG1 X0\nG1 X40\nM1\n";
@@ -306,7 +311,7 @@ fn a_job_waits_at_m0_with_the_tool_up_until_it_is_resumed_though_the_arm_was_jog
 
 #[test]
 fn the_pen_goes_down_and_up_where_the_arm_rests_and_a_jog_lifts_it() {
-    let server = Server::start(&["--robot", "benchtop_pen"]);
+    let server = Server::of("benchtop_pen", None);
     let mut page = server.page();
     page.take_control_and_arm();
     let tool = page.latest_state()["tool"].clone();
@@ -327,7 +332,7 @@ fn the_pen_goes_down_and_up_where_the_arm_rests_and_a_jog_lifts_it() {
 
 #[test]
 fn an_arm_without_a_pen_or_without_power_refuses_to_put_one_down() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.send(&json!("control"));
     page.send(&json!({ "pen": "down" }));

@@ -1,240 +1,67 @@
-//! The emergency stop while other pages do what they can to delay it.
+//! Stops that pages ask for.
 
-use crate::program::{Page, Server, machine, number, time};
-use serde_json::{Value, json};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
-use std::time::{Duration, Instant};
-use tungstenite::{Message, WebSocket};
+use crate::in_process::{Page, Server};
+use crate::state::{number, speed, time};
+use serde_json::json;
+use std::time::Duration;
 
-/// An emergency stop.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stopped {
-    pub(crate) asked: Instant,
-    /// From its sending to its message [s].
-    pub(crate) real: f64,
-}
+const MS: Duration = Duration::from_millis(1);
 
-/// Stops the arm at once.
-pub(crate) fn emergency_stop(page: &mut Page) -> Stopped {
-    // A server that hangs sends no states: the stop must not wait for one.
-    while page.next().is_some() {}
-    let asked = Instant::now();
-    page.request("emergency_stop");
-    page.wait("the fault", |message| {
-        (message.get("fault")?.get("name")? == "emergency stop").then_some(())
+/// Runs a job of lines to and fro, about half a minute long.
+fn run_long_job(page: &mut Page) {
+    let text = format!("G21 G90 F18000\nM3\n{}", "G1 X40\nG1 X0\n".repeat(60));
+    page.send(&json!({ "load": { "name": "long", "text": text } }));
+    page.send(&json!("run"));
+    page.state("full speed", |state| {
+        state["state"] == "Running" && speed(state) > 0.5
     });
-    let real = asked.elapsed().as_secs_f64();
-    let state = page.state_named("Fault");
-    assert_eq!(state["duty"], json!([0.0, 0.0]), "the bridges are off");
-    Stopped { asked, real }
-}
-
-/// Runs `body` while ten pages read nothing and two flood: one with 900 requests a second, one with
-/// this message as fast as it can.
-pub(crate) fn under_load<T>(server: &Server, message: &Value, body: impl FnOnce() -> T) -> T {
-    let ends = AtomicBool::new(false);
-    let silent: Vec<_> = (0..10).map(|_| server.socket().expect("a place")).collect();
-    let result = std::thread::scope(|scope| {
-        let _end = EndOnDrop(&ends);
-        let ends = &ends;
-        scope.spawn(|| flood(server, &json!({ "jog": [0.0, 0.0] }), Some(900), ends));
-        scope.spawn(|| flood(server, message, None, ends));
-        body()
-    });
-    drop(silent);
-    result
-}
-
-/// Emergency stops of a page under this load, while another page takes control and loads so many jobs
-/// of 10 MB.
-pub(crate) fn stops_under_load(server: &Server, message: &Value, jobs: &[usize]) -> Vec<Stopped> {
-    let job = large_job(10).to_string();
-    let mut page = server.page();
-    // Without a page in control a flooding one would get it.
-    page.take_control_and_arm();
-    emergency_stop(&mut page);
-    let stop_while_loading = |&count: &usize| {
-        page.take_control_and_arm();
-        let ends = AtomicBool::new(false);
-        std::thread::scope(|scope| {
-            let _end = EndOnDrop(&ends);
-            let mut loading = server.socket().expect("a place");
-            let (job, ends) = (&job, &ends);
-            let (begun, begins) = mpsc::channel();
-            scope.spawn(move || {
-                send(&mut loading, &json!("control"));
-                for _ in 0..count {
-                    let _ = loading.send(Message::text(job.clone()));
-                    let _ = begun.send(());
-                }
-                drop(begun);
-                while !ends.load(Ordering::Relaxed) && loading.read().is_ok() {}
-            });
-            // The first job has arrived; the others are on their way.
-            while let Err(mpsc::TryRecvError::Empty) = begins.try_recv() {
-                page.next();
-            }
-            let begun = Instant::now();
-            while begun.elapsed() < Duration::from_millis(50) {
-                page.next();
-            }
-            emergency_stop(&mut page)
-        })
-    };
-    under_load(server, message, || {
-        jobs.iter().map(stop_while_loading).collect()
-    })
-}
-
-/// Ends a flood, also when a test fails.
-pub(crate) struct EndOnDrop<'a>(pub(crate) &'a AtomicBool);
-
-impl Drop for EndOnDrop<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-}
-
-fn send(socket: &mut WebSocket<std::net::TcpStream>, message: &Value) -> bool {
-    socket.send(Message::text(message.to_string())).is_ok()
-}
-
-/// Sends a message `rate` times a second, or as fast as possible, until `ends`. A page that is
-/// disconnected connects again.
-pub(crate) fn flood(server: &Server, message: &Value, rate: Option<u32>, ends: &AtomicBool) {
-    let Some(mut socket) = server.socket() else {
-        return;
-    };
-    let start = Instant::now();
-    let mut sent = 0;
-    while !ends.load(Ordering::Relaxed) {
-        if let Some(rate) = rate {
-            let due = start + sent * Duration::from_secs(1) / rate;
-            std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        }
-        sent += 1;
-        if !send(&mut socket, message) {
-            let Some(again) = server.socket() else { return };
-            socket = again;
-        }
-    }
-}
-
-/// A job of this size [MB] that takes long to read and to check.
-pub(crate) fn large_job(megabytes: usize) -> Value {
-    let line = "G1 X10.000 Y0.000\nG1 X0.000 Y0.000\n";
-    let text = format!(
-        "G21 G90 F6000\n{}",
-        line.repeat((megabytes << 20) / line.len())
-    );
-    json!({ "load": { "name": "large", "text": text } })
-}
-
-#[test]
-fn an_emergency_stop_takes_effect_within_100_ms_while_other_pages_flood_and_load_and_read_nothing()
-{
-    let server = Server::start_homed(&[]);
-    let _machine = machine();
-    let times = stops_under_load(&server, &json!("run"), &[8, 8, 8]);
-    eprintln!("emergency stops under load took {times:.3?}");
-    let mut real: Vec<f64> = times.iter().map(|time| time.real).collect();
-    real.sort_by(f64::total_cmp);
-    // A busy machine may delay one of them, by far less than a queue or a job would.
-    assert!(real[1] < 0.1 && real[2] < 1.0, "{times:.3?}");
-}
-
-#[test]
-fn a_page_that_reads_nothing_can_still_stop_the_arm() {
-    let server = Server::start(&[]);
-    let mut page = server.page();
-    page.take_control_and_arm();
-    let mut silent = server.socket().expect("a place");
-    // By then the server can send it no more.
-    let filled = Instant::now();
-    while filled.elapsed() < Duration::from_millis(500) {
-        page.next();
-        assert!(send(&mut silent, &json!("no request")));
-    }
-    assert!(send(&mut silent, &json!({ "request": "emergency_stop" })));
-    page.state_named("Fault");
-}
-
-#[test]
-fn a_page_that_floods_stops_is_disconnected_with_a_reason_and_the_others_are_served() {
-    let server = Server::start(&[]);
-    let mut page = server.page();
-    page.latest_state();
-    let mut flooding = server.socket().expect("a place");
-    for _ in 0..2000 {
-        if !send(&mut flooding, &json!({ "request": "stop" })) {
-            break;
-        }
-    }
-    let reason = loop {
-        match flooding.read().expect("a reason, then the end") {
-            Message::Close(frame) => break frame.expect("a reason").reason.to_string(),
-            _ => continue,
-        }
-    };
-    assert!(
-        reason.contains("messages or frames in a second"),
-        "{reason}"
-    );
-    page.take_control_and_arm();
 }
 
 #[test]
 fn a_stop_drops_the_moves_that_were_asked_for_before_it() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
     let before = page.latest_state();
     // Both arrive at once, and the stop overtakes the jog.
-    page.send(&json!({ "jog": [0.0, 0.02] }));
-    page.request("stop");
-    let start = time(&before);
-    let after = page.state("some time", |state| time(state) > start + 0.5);
-    let moved = number(&after["tool"][1]) - number(&before["tool"][1]);
+    let jog = page.begin(&json!({ "jog": [0.0, 0.02] }));
+    page.begin(&json!({ "request": "stop" }));
+    page.pass(500 * MS);
+    let refused = page.take_answer(jog)["refused"].clone();
+    assert_eq!(refused, "A stop was asked for after it.");
+    let moved = number(&page.latest_state()["tool"][1]) - number(&before["tool"][1]);
     assert!(moved.abs() < 2e-3, "{moved} m");
 }
 
 #[test]
 fn an_emergency_stop_is_latched_and_confirmed_in_every_state() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
-    page.latest_state();
     let stop = |page: &mut Page, before: &str| {
         assert_eq!(page.latest_state()["state"], before);
         page.request("emergency_stop");
         page.stopped("emergency_stop");
-        let state = page.state_named("Fault");
-        assert_eq!(state["fault"], 10, "after {before}");
+        let state = page.latest_state();
+        assert_eq!(
+            (&state["state"], &state["fault"]),
+            (&json!("Fault"), &json!(10))
+        );
         assert_eq!(state["duty"], json!([0.0, 0.0]), "after {before}");
-    };
-    let clear = |page: &mut Page| {
-        page.request("clear_fault");
-        page.state_named("Stopped");
-        let cleared = Instant::now();
-        while cleared.elapsed() < Duration::from_millis(1100) {
-            page.next();
-        }
     };
     stop(&mut page, "Stopped");
     stop(&mut page, "Fault");
-    clear(&mut page);
+    page.request("clear_fault");
+    page.pass(1100 * MS);
     page.request("home");
-    page.state_named("Homing");
     stop(&mut page, "Homing");
     page.take_control_and_arm();
     stop(&mut page, "Armed");
     page.take_control_and_arm();
-    page.run_long_job();
+    run_long_job(&mut page);
     stop(&mut page, "Running");
     // A page that watches gets the confirmation, too, and a stop on the path is confirmed as well.
     page.take_control_and_arm();
     let mut watcher = server.page();
-    watcher.latest_state();
     page.request("stop");
     watcher.stopped("stop");
 }
@@ -242,39 +69,29 @@ fn an_emergency_stop_is_latched_and_confirmed_in_every_state() {
 /// Messages come as fast as a program sends them, and clicks of one finger several times a second.
 #[test]
 fn after_a_fault_is_cleared_nothing_powers_the_motors_for_a_second() {
-    let server = Server::start(&[]);
+    let server = Server::start();
     let mut page = server.page();
     page.take_control_and_arm();
-    page.run_long_job();
-    emergency_stop(&mut page);
-    page.state("rest", |state| {
-        state["velocity"] == json!([0.0, 0.0]) || time(state) > 1.0
-    });
-    let cleared = loop {
-        page.request("clear_fault");
-        let asked = Instant::now();
-        page.latest_state();
-        if page.latest_state()["state"] == "Stopped" {
-            break asked;
-        }
+    run_long_job(&mut page);
+    page.request("emergency_stop");
+    page.state("rest", |state| speed(state) < 0.05);
+    page.request("clear_fault");
+    let cleared = time(&page.latest_state());
+    let refusal = |page: &mut Page, name: &str| {
+        let refused = page.ask(&json!({ "request": name })).refused;
+        refused.unwrap_or_default()
     };
     for request in ["arm", "home"] {
-        page.request(request);
+        assert!(refusal(&mut page, request).contains("cleared a moment ago"));
         page.send(&json!("resume"));
-        page.refused("cleared a moment ago");
     }
     // Another page has no other right.
     let mut other = server.page();
     other.send(&json!("control"));
-    other.request("arm");
-    other.refused("cleared a moment ago");
-    while cleared.elapsed() < Duration::from_millis(900) {
-        other.request("arm");
-        assert_eq!(other.latest_state()["state"], "Stopped");
+    while time(&other.latest_state()) < cleared + 0.85 {
+        assert!(refusal(&mut other, "arm").contains("cleared a moment ago"));
     }
-    while cleared.elapsed() < Duration::from_millis(1100) {
-        other.next();
-    }
+    other.pass(150 * MS);
     other.request("arm");
     other.state_named("Armed");
 }

@@ -1,6 +1,7 @@
 //! Jobs that run as time-optimal motions.
 
-use crate::program::{Page, Server, number, time};
+use crate::in_process::{Page, Server};
+use crate::state::{number, time};
 use serde_json::{Value, json};
 
 /// Strokes of 40 mm to and fro at 10 mm/s, which would take minutes.
@@ -36,7 +37,7 @@ fn pace(page: &mut Page) -> f64 {
 
 #[test]
 fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
-    let server = Server::start(&["--time-optimal", "--torque-share", "0.6"]);
+    let server = Server::of("benchtop", Some(0.6));
     let mut page = server.page();
     page.take_control_and_arm();
     page.send(&json!({ "feed": 1.5 }));
@@ -75,7 +76,7 @@ fn a_job_runs_at_the_arms_limit_and_goes_on_after_a_stop_and_slows_on_demand() {
 
 #[test]
 fn a_job_rests_at_m0_and_the_rest_of_it_is_planned_when_it_is_resumed() {
-    let server = Server::start(&["--time-optimal", "--torque-share", "0.6"]);
+    let server = Server::of("benchtop", Some(0.6));
     let mut page = server.page();
     page.take_control_and_arm();
     let text = "G21 G90 F600\nM3\nG1 X20\nM0\nG1 X40\nM0\nG1 X0\n";

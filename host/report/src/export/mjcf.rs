@@ -2,7 +2,7 @@
 //! equality constraint.
 
 use super::xml::{Xml, around, document, element};
-use super::{ExportError, NamedLink, bodies};
+use super::{ExportError, NamedLink, bodies, friction, left_out};
 use fivebar_files::robot::Robot;
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
@@ -36,8 +36,9 @@ pub fn mjcf(robot: &Robot) -> Result<String, ExportError> {
     let leg1 = [("C", [link2.length, 0.0]), ("tool", tool)];
     let leg4 = [("C_of_link3", [link3.length, 0.0])];
     let note = format!(
-        " A planar five-bar, exported by fivebar {}. SI units, plane z = 0. ",
-        env!("CARGO_PKG_VERSION")
+        " A planar five-bar, exported by fivebar {}. SI units, plane z = 0.{} ",
+        env!("CARGO_PKG_VERSION"),
+        left_out(robot)
     );
     let of_world = format!("{} {} 0", gravity.x, gravity.y);
     Ok(document(|xml| {
@@ -89,10 +90,7 @@ fn between(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
 type JointAttributes = [(&'static str, String); 4];
 
 fn driven(robot: &Robot, index: usize) -> Result<JointAttributes, ExportError> {
-    let friction = robot
-        .actuators
-        .map(|a| (a[index].viscous_friction, a[index].coulomb_friction));
-    let (viscous, coulomb) = friction.unwrap_or_default();
+    let [viscous, coulomb] = friction(robot, index);
     let armature = robot.arm()?.rotor_inertia()[index];
     Ok([
         ("name", ["A", "E"][index].into()),

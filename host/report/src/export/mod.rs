@@ -27,7 +27,7 @@ pub use trace_csv::trace_csv;
 pub use urdf::urdf;
 pub use workspace_csv::workspace_csv;
 
-use fivebar_files::robot::{HomeError, MissingMasses, Robot};
+use fivebar_files::robot::{Actuator, HomeError, MissingMasses, Robot};
 use fivebar_kinematics::dynamics::{Arm, Link};
 use nalgebra::Vector2;
 
@@ -48,6 +48,31 @@ struct NamedLink {
     name: &'static str,
     length: f64,
     inertia: Link<f64>,
+}
+
+/// Viscous [N·m·s/rad] and Coulomb friction [N·m] of a driven joint.
+fn friction(robot: &Robot, index: usize) -> [f64; 2] {
+    let of = |drive: Actuator| [drive.viscous_friction, drive.coulomb_friction];
+    robot.actuators.map_or([0.0; 2], |drives| of(drives[index]))
+}
+
+/// Sentences about properties of the robot that a model of rigid links and joints has not; empty if there are none.
+fn left_out(robot: &Robot) -> String {
+    let Some(drives) = robot.actuators else {
+        return String::new();
+    };
+    let mut text = String::new();
+    if let [Some(one), Some(four)] = drives.map(|drive| drive.stiffness) {
+        text += &format!(
+            "\n     Not in this model: the stiffness of the drives, {one} and {four} N·m/rad. Its rotors turn with the \
+             joints."
+        );
+    }
+    if drives.iter().any(|drive| drive.brake_torque > 0.0) {
+        let [one, four] = drives.map(|drive| drive.brake_torque);
+        text += &format!("\n     Not in this model: the holding brakes, {one} and {four} N·m.");
+    }
+    text
 }
 
 /// Links 1 to 4; link 2 includes the payload.

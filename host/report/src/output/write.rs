@@ -2,8 +2,9 @@
 //!
 //! A regular file is written under another name in its folder, made durable, and renamed, so
 //! that a reader finds either the old or the new file, complete, also after a power cut.
-//! A symbolic link stays and its file is replaced. A device, a FIFO or a socket stays, too, and
-//! the bytes are written into it. The path `-` stands for the standard output.
+//! A symbolic link that the user names stays and its file is replaced. One that lies in a report's folder under the name
+//! of one of its files is replaced itself, because the user has not named it and its file may be foreign. A device, a
+//! FIFO or a socket stays, too, and the bytes are written into it. The path `-` stands for the standard output.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Error, ErrorKind, Write as _};
@@ -44,6 +45,15 @@ pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), WriteError>
         .map_err(|source| refusal(path, source))
 }
 
+/// Writes one file, whose name the program has chosen, into a folder that the user has named. It replaces a symbolic
+/// link.
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn write_in(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
+    write_report(folder, &[(name, &bytes)])
+}
+
 /// The names of the files that belong to a report.html.
 const REPORT_FILES: [&str; 7] = [
     "picture.svg",
@@ -67,7 +77,7 @@ pub fn write_report(folder: &Path, files: &[(&str, &dyn AsRef<[u8]>)]) -> Result
     let mut drafts = Vec::new();
     for (name, bytes) in files {
         let path = folder.join(name);
-        let draft = Draft::new(&path, bytes.as_ref());
+        let draft = Draft::of_report(&path, bytes.as_ref());
         drafts.push((draft.map_err(|source| refusal(&path, source))?, path));
     }
     if let [(first, path), _, ..] = drafts.as_slice() {
@@ -123,6 +133,14 @@ impl<'a> Draft<'a> {
         Ok(Self::File(written(&target, bytes)?, target))
     }
 
+    /// As [`Draft::new`], for a path whose last part the user has not named: it replaces a symbolic link.
+    fn of_report(path: &Path, bytes: &'a [u8]) -> io::Result<Self> {
+        if is_link(path) {
+            return Ok(Self::File(written(path, bytes)?, path.to_owned()));
+        }
+        Self::new(path, bytes)
+    }
+
     /// Removes the file that this one will replace.
     fn remove_old(&self) -> io::Result<()> {
         match self {
@@ -157,10 +175,13 @@ impl<'a> Draft<'a> {
     }
 }
 
+fn is_link(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink())
+}
+
 /// The file to which symbolic links lead.
 fn behind_links(path: &Path) -> io::Result<PathBuf> {
-    let is_link = fs::symlink_metadata(path).is_ok_and(|data| data.is_symlink());
-    if !is_link {
+    if !is_link(path) {
         return Ok(path.to_owned());
     }
     fs::canonicalize(path).map_err(|error| {
@@ -299,9 +320,31 @@ mod tests {
         assert!(refusal.contains("leads to no file"), "{refusal}");
         std::fs::write(&target, "old").unwrap();
         write_whole(&link, "new").unwrap();
-        write_report(folder.path(), &[("link", &"newer"), ("other", &"newer")]).unwrap();
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(std::fs::read_to_string(&target).unwrap(), "newer");
+        assert_eq!(std::fs::read_to_string(&target).unwrap(), "new");
+    }
+
+    /// The user has named the folder, which may be a link, and not the files in it.
+    #[cfg(unix)]
+    #[test]
+    fn a_report_replaces_symbolic_links_of_its_names_and_leaves_their_files() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::create_dir(path("reports")).unwrap();
+        symlink("reports", path("out")).unwrap();
+        std::fs::write(path("foreign"), "old").unwrap();
+        symlink("../foreign", path("reports/report.html")).unwrap();
+        symlink("nowhere", path("reports/trace.csv")).unwrap();
+        let files: [(&str, &dyn AsRef<[u8]>); 2] = [("report.html", &"new"), ("trace.csv", &"new")];
+        write_report(&path("out"), &files).unwrap();
+        assert_eq!(std::fs::read_to_string(path("foreign")).unwrap(), "old");
+        for (name, _) in files {
+            let written = path("reports").join(name);
+            assert!(std::fs::symlink_metadata(&written).unwrap().is_file());
+            assert_eq!(std::fs::read_to_string(written).unwrap(), "new");
+        }
+        assert!(std::fs::symlink_metadata(path("out")).unwrap().is_symlink());
     }
 
     #[cfg(target_os = "linux")]

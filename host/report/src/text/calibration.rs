@@ -13,11 +13,11 @@ pub struct Calibrated<'a> {
     pub robot: &'a Robot,
     /// The arm as found.
     pub parameters: &'a Parameters,
-    /// The covariance of its ten unknowns.
+    /// The covariance of its ten unknowns; zero for those that are held.
     pub covariance: &'a SMatrix<f64, 10, 10>,
     /// Whether the placement is known.
     pub placed: bool,
-    /// Name, rows, those of them that are farther than 4 σ, and residuals' root mean square [m] of
+    /// Name, rows, those of them that are named as wrong, and residuals' root mean square [m] of
     /// each kind of measurement.
     pub kinds: Vec<(&'a str, usize, usize, f64)>,
     /// The error of the nominal arm over the workspace.
@@ -78,7 +78,10 @@ pub fn calibration(found: &Calibrated<'_>) -> String {
         let line = format!(
             "  {name:<3} {:>10.4} {unit:<4}  {:>10}  {nominal:>14}",
             1e3 * values[index],
-            quantity(sd, base),
+            match sd {
+                0.0 => "held".into(),
+                sd => quantity(sd, base),
+            },
         );
         let _ = writeln!(text, "{}", line.trim_end());
     }
@@ -88,7 +91,7 @@ pub fn calibration(found: &Calibrated<'_>) -> String {
             0 => writeln!(text, "  residuals of {count} rows ({kind}): {rms} RMS"),
             far => writeln!(
                 text,
-                "  residuals of {count} rows ({kind}), {far} of them beyond 4 σ: {rms} RMS"
+                "  residuals of {count} rows ({kind}), {far} of them named as wrong: {rms} RMS"
             ),
         };
     }

@@ -5,7 +5,7 @@ use fivebar_files::scenario::Scenario;
 use fivebar_firmware::safety::Fault;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_sim::link::TargetError;
-use fivebar_sim::simulation::{DemoScaleError, Record, RunError, fault_name};
+use fivebar_sim::simulation::{DemoScaleError, Record, RunError, Verdict, ended_by};
 
 /// Why a run of this scenario was refused or ended early. A refused move is a line of the
 /// job's file, with a placement that would work.
@@ -17,15 +17,10 @@ pub fn refusal(scenario: &Scenario, error: &RunError) -> String {
     }
 }
 
-/// Which fault stopped the arm, and when; none without a fault.
+/// Which fault stopped the arm, when, and why; none without a fault.
 pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
-    let (time, fault) = record.faults.first()?;
-    let when = match record.begun {
-        Some(begun) => format!("{:.4} s into the job", time - begun),
-        None => format!("{time:.4} s after power-up, while homing"),
-    };
-    let (number, name) = (fault.number(), fault_name(*fault));
-    let sentence = format!("the arm stopped {when} with fault {number}, {name}");
+    let sentence = ended_by(record)?;
+    let (_, fault) = record.faults.first()?;
     let cause = match (fault, record.begun) {
         (Fault::FollowingError, Some(_)) => falls(scenario),
         (Fault::FollowingError, None) => homing_torques(scenario),
@@ -33,6 +28,11 @@ pub fn stopped_by(scenario: &Scenario, record: &Record) -> Option<String> {
         _ => None,
     };
     Some(sentence + &cause.unwrap_or_default())
+}
+
+/// Why the job of a run was not drawn; none if it was.
+pub fn not_drawn(scenario: &Scenario, record: &Record, verdict: &Verdict) -> Option<String> {
+    stopped_by(scenario, record).or_else(|| verdict.why.clone())
 }
 
 /// Which fault stopped the arm, when, and what to do next; none without a fault.
@@ -65,7 +65,7 @@ pub fn next_step(fault: Fault) -> &'static str {
         Fault::QueueUnderrun => "Check what delays the host or the planner.",
         Fault::TickOverrun => "Check what delays the tick.",
         Fault::NotANumber => "Report this as an error of the firmware, with the job.",
-        Fault::ClockFailure => "Check the crystal: it must have 8 MHz and start.",
+        Fault::ClockFailure => "Check the crystal: it must have 8, 12 or 16 MHz and start.",
         Fault::WatchdogReset => "Report this as an error of the firmware, with the job.",
         Fault::SettingsCorrupt => "Store the settings again.",
         Fault::Oscillation => {
@@ -106,7 +106,8 @@ pub fn next_step(fault: Fault) -> &'static str {
              that its heartbeat comes every 10 ms."
         }
         Fault::DriveError => {
-            "Read the drive's error by its own program, remove the cause, then arm again."
+            "Clear the fault, which clears the drive's error, then arm again. If it comes back, read the drive's error by its \
+             own program and remove the cause."
         }
         Fault::BusOff => {
             "Check the bus: its wires, its two terminators and the bit rate, 1 Mbit/s on all."

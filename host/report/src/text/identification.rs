@@ -44,6 +44,13 @@ pub fn identification(name: &str, rows: usize, found: &Identification) -> String
             quantity(found.residual_rms[joint], "N·m"),
             1e2 * found.residual_share[joint]
         );
+        if found.left_out[joint] > 0.0 {
+            let _ = writeln!(
+                text,
+                "           {:.1} % of the log is left out, because wrong currents spoil it",
+                1e2 * found.left_out[joint]
+            );
+        }
     }
     let _ = writeln!(text, "  condition {:.1}", found.condition);
     text

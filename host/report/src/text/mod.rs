@@ -13,7 +13,7 @@ mod workspace;
 
 pub use calibration::{Calibrated, calibration, proposal};
 pub use conditions::conditions;
-pub use ending::{fault_and_next_step, next_step, no_demo_scale, refusal, stopped_by};
+pub use ending::{fault_and_next_step, next_step, no_demo_scale, not_drawn, refusal, stopped_by};
 pub use identification::{identification, payload, validation};
 pub use margins::margins;
 pub use mobility::explain;

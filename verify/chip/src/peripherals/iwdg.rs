@@ -26,6 +26,8 @@ pub(crate) struct Iwdg {
     reload_at: Time,
     /// When the counter reaches zero.
     bites_at: Time,
+    /// Since when a debugger's halt of the core stops it.
+    halted_at: Option<Time>,
 }
 
 impl Iwdg {
@@ -44,6 +46,7 @@ impl Iwdg {
             prescaler_at: NEVER,
             reload_at: NEVER,
             bites_at: NEVER,
+            halted_at: None,
         }
     }
 
@@ -78,7 +81,19 @@ impl Iwdg {
     }
 
     pub(crate) fn due(&self) -> Time {
-        self.prescaler_at.min(self.reload_at).min(self.bites_at)
+        let bites_at = match self.halted_at {
+            None => self.bites_at,
+            Some(_) => NEVER,
+        };
+        self.prescaler_at.min(self.reload_at).min(bites_at)
+    }
+
+    /// The counter stops or goes on.
+    pub(crate) fn halt(&mut self, halts: bool, now: Time) {
+        let halted_at = std::mem::replace(&mut self.halted_at, halts.then_some(now));
+        if self.bites_at != NEVER {
+            self.bites_at += halted_at.map_or(0, |at| now - at);
+        }
     }
 
     /// Lets written values arrive; true if the watchdog resets the chip.
@@ -95,7 +110,7 @@ impl Iwdg {
             self.reload_at = NEVER;
             self.reload = self.rlr.value;
         }
-        self.bites_at <= now
+        self.halted_at.is_none() && self.bites_at <= now
     }
 
     pub(crate) fn read(&self, offset: u32) -> u32 {

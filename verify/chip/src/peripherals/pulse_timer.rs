@@ -25,6 +25,8 @@ pub(crate) struct PulseTimer {
     /// When the pulse that runs begins and ends.
     edge: Time,
     end: Time,
+    /// Since when a debugger's halt of the core stops it.
+    halted_at: Option<Time>,
 }
 
 impl PulseTimer {
@@ -38,6 +40,7 @@ impl PulseTimer {
             ccr1: Register::new("TIM8_CCR1", 0, 0xffff, 0),
             edge: NEVER,
             end: NEVER,
+            halted_at: None,
         }
     }
 
@@ -62,7 +65,21 @@ impl PulseTimer {
     }
 
     pub(crate) fn due(&self) -> Time {
-        self.edge.min(self.end)
+        match self.halted_at {
+            None => self.edge.min(self.end),
+            Some(_) => NEVER,
+        }
+    }
+
+    /// The counter stops or goes on.
+    pub(crate) fn halt(&mut self, halts: bool, now: Time) {
+        let halted_at = std::mem::replace(&mut self.halted_at, halts.then_some(now));
+        let passed = halted_at.map_or(0, |at| now - at);
+        for at in [&mut self.edge, &mut self.end] {
+            if *at != NEVER {
+                *at += passed;
+            }
+        }
     }
 
     /// Lets the pulse go on; true if it begins.

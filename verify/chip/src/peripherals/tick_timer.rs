@@ -22,6 +22,8 @@ pub(crate) struct TickTimer {
     clock: Time,
     /// When the counter was at 0, while it runs.
     origin: Time,
+    /// Since when a debugger's halt of the core stops it.
+    halted_at: Option<Time>,
 }
 
 impl TickTimer {
@@ -34,6 +36,7 @@ impl TickTimer {
             arr: Register::new("TIMx_ARR", !0, !0, 0),
             clock,
             origin: 0,
+            halted_at: None,
         }
     }
 
@@ -52,10 +55,16 @@ impl TickTimer {
     }
 
     pub(crate) fn due(&self) -> Time {
-        match self.runs() {
+        match self.runs() && self.halted_at.is_none() {
             true => self.origin + self.period(),
             false => NEVER,
         }
+    }
+
+    /// The counter stops or goes on.
+    pub(crate) fn halt(&mut self, halts: bool, now: Time) {
+        let halted_at = std::mem::replace(&mut self.halted_at, halts.then_some(now));
+        self.origin += halted_at.map_or(0, |at| now - at);
     }
 
     /// An update; true if it is a trigger.
@@ -80,7 +89,10 @@ impl TickTimer {
             0x04 => self.cr2.value,
             0x0c => self.dier.value,
             0x10 => self.sr.value,
-            0x24 if self.runs() => (now.saturating_sub(self.origin) / self.clock) as u32,
+            0x24 if self.runs() => {
+                let at = self.halted_at.unwrap_or(now);
+                (at.saturating_sub(self.origin) / self.clock) as u32
+            }
             0x2c => self.arr.value,
             _ => 0,
         }

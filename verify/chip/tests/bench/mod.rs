@@ -24,17 +24,33 @@ use std::process::Command;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// The path of the image, which is built from the sources beside this folder.
+/// The path of the image, which is built from the sources beside this folder; or in the folder of images that the variable
+/// CHIP_IMAGES names, for those that have seeded mistakes.
 pub(crate) fn path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/image.sh");
-        let output = Command::new(script).output().expect("the script runs");
-        let text = String::from_utf8_lossy(&output.stdout);
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{text}{errors}");
-        PathBuf::from(text.lines().last().expect("a path"))
+        if let Some(folder) = std::env::var_os("CHIP_IMAGES") {
+            return PathBuf::from(folder).join("stm32f405");
+        }
+        built(&mut Command::new(SCRIPT))
     })
+}
+
+/// The image that is built for a crystal which no measurement tells from another [MHz].
+pub(crate) fn image_for_crystal(megahertz: u32) -> Arc<Image> {
+    let path = built(Command::new(SCRIPT).env("FIVEBAR_CRYSTAL", megahertz.to_string()));
+    Arc::new(Image::read(&path).expect("an image"))
+}
+
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/image.sh");
+
+/// The path of the image that the script builds.
+fn built(script: &mut Command) -> PathBuf {
+    let output = script.output().expect("the script runs");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}{errors}");
+    PathBuf::from(text.lines().last().expect("a path"))
 }
 
 /// The image.
@@ -108,7 +124,11 @@ impl Bench {
     }
 
     pub(crate) fn of(arm: SharedArm, options: Options, stored: Vec<u8>) -> Self {
-        let chip = Chip::new(image(), options, stored, Box::new(arm.clone())).expect("an emulator");
+        Self::on(image(), arm, options, stored)
+    }
+
+    pub(crate) fn on(image: Arc<Image>, arm: SharedArm, options: Options, stored: Vec<u8>) -> Self {
+        let chip = Chip::new(image, options, stored, Box::new(arm.clone())).expect("an emulator");
         let line = HostLine::new(chip);
         Self { line, arm }
     }

@@ -98,6 +98,8 @@ pub(super) struct FollowingArm {
     acting: [f32; 2],
     /// Counts that an encoder has jumped by.
     jumped: i32,
+    /// Micro-steps that steppers have made.
+    pub(super) made: [i32; 2],
     /// Joint 1's counts when they stopped.
     frozen: Option<i32>,
     pub(super) disturbance: Option<Disturbance>,
@@ -113,6 +115,7 @@ impl FollowingArm {
             current: [0.0; 2],
             acting: [0.0; 2],
             jumped: 0,
+            made: [0; 2],
             frozen: None,
             disturbance: None,
             missed: 0,
@@ -203,6 +206,17 @@ impl FollowingArm {
             self.angle[1] += PUSH * period;
         }
         self.drive(command, powered, settings);
+    }
+
+    /// A tick's micro-steps, each of which the joints follow.
+    pub(super) fn make_steps(&mut self, steps: [i32; 2], settings: &Settings) {
+        for (j, steps) in steps.into_iter().enumerate() {
+            self.made[j] = self.made[j].wrapping_add(steps);
+            self.angle[j] += f64::from(steps) * TAU / per_turn(&settings.axes[j]);
+        }
+        if self.disturbance == Some(Disturbance::Push) {
+            self.angle[1] += PUSH / f64::from(settings.control.tick_rate);
+        }
     }
 
     /// The currents that the duties drive in this tick; those of the command act in the next one.

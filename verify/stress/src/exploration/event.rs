@@ -1,6 +1,7 @@
 //! What can happen in a state of an exploration.
 
 use super::arm::Disturbance;
+use super::kind::ExploredDrives;
 use super::world::World;
 use crate::crossing_arm::CROSSING;
 use crate::rules::Violation;
@@ -56,7 +57,7 @@ pub(crate) enum Event {
 }
 
 /// All events, those of the board's faults included.
-pub(super) fn alphabet() -> Vec<Event> {
+pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     use Event::{
         Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed, Move, OldEmergencyStop,
         Read, Silence, Ticks, Timed, Undisturb, Until, Zeros,
@@ -110,7 +111,8 @@ pub(super) fn alphabet() -> Vec<Event> {
         ]
         .map(Move),
     );
-    events.extend(Disturbance::ALL.map(Disturb));
+    let felt = Disturbance::ALL.into_iter();
+    events.extend(felt.filter(|&it| D::feels(it)).map(Disturb));
     events.extend([Undisturb, Jump, Missed(2), Missed(3)]);
     events.extend(Fault::all().map(Latch));
     events.extend([Ticks(1), Ticks(10), Zeros, Until(700), Silence(230)]);
@@ -154,7 +156,7 @@ fn excitation(of: Excited, offset: f32, ticks: u32) -> Excitation {
 }
 
 /// The pieces of a motion that the host has planned from the start.
-pub(super) fn planned_run(world: &World) -> Vec<TimedMove> {
+pub(super) fn planned_run<D: ExploredDrives>(world: &World<D>) -> Vec<TimedMove> {
     let [x, y] = CROSSING.from;
     let planner = world.fresh_planner();
     (0..64)
@@ -163,7 +165,7 @@ pub(super) fn planned_run(world: &World) -> Vec<TimedMove> {
         .unwrap_or_default()
 }
 
-impl World {
+impl<D: ExploredDrives> World<D> {
     /// Lets an event happen.
     ///
     /// # Errors

@@ -8,6 +8,7 @@
 mod arm;
 mod event;
 mod history;
+mod kind;
 mod view;
 mod world;
 
@@ -16,8 +17,10 @@ use crate::way_out::{WayOut, way_out};
 use event::{Event, alphabet, planned_run};
 use fivebar_firmware::TimedMove;
 use fivebar_firmware::controller::Request;
+use fivebar_firmware::drives::{BrushedDrives, StepDrives};
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::{Fault, State};
+use kind::ExploredDrives;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::collections::HashSet;
 use std::fmt;
@@ -73,8 +76,8 @@ impl std::error::Error for Counterexample {}
 const SIDE_BY_SIDE: usize = 16;
 
 /// A state with the world that reached it first.
-struct Node {
-    world: World,
+struct Node<D: ExploredDrives> {
+    world: World<D>,
     /// The state before, and the event that led here.
     came: Option<(usize, Event)>,
     /// The first one with power in which the controller has this state and fault: its host leaves it for long.
@@ -82,18 +85,18 @@ struct Node {
 }
 
 /// What an event does in a state.
-struct Tried {
+struct Tried<D: ExploredDrives> {
     event: Event,
     /// The worlds of new states on the way and at the end.
-    worlds: Vec<World>,
+    worlds: Vec<World<D>>,
     /// The fault that a tick found by itself.
     detected: Option<Fault>,
     ticks: u32,
     happened: Result<(), Violation>,
 }
 
-struct Search {
-    nodes: Vec<Node>,
+struct Search<D: ExploredDrives> {
+    nodes: Vec<Node<D>>,
     known: HashSet<View>,
     found: Exploration,
     /// States of the controller in which the host has been absent for long.
@@ -101,16 +104,28 @@ struct Search {
     run: Vec<TimedMove>,
 }
 
-/// Explores all states.
+/// Explores the states of the controller of brushed motors, breadth first: all, or the events of so many of them.
 ///
 /// # Errors
 /// The first rule that is broken, with the events that lead there.
-pub fn explore() -> Result<Exploration, Counterexample> {
+pub fn explore(most: usize) -> Result<Exploration, Counterexample> {
+    search::<BrushedDrives>(most)
+}
+
+/// Explores likewise the controller of steppers without encoders, which without power do not know the arm's place.
+///
+/// # Errors
+/// As [`explore`].
+pub fn explore_open_loop(most: usize) -> Result<Exploration, Counterexample> {
+    search::<StepDrives>(most)
+}
+
+fn search<D: ExploredDrives>(most: usize) -> Result<Exploration, Counterexample> {
     let at_start = |violation| Counterexample {
         violation,
         events: Vec::new(),
     };
-    let mut search = Search {
+    let mut search = Search::<D> {
         nodes: Vec::new(),
         known: HashSet::new(),
         found: Exploration::default(),
@@ -122,9 +137,9 @@ pub fn explore() -> Result<Exploration, Counterexample> {
         search.run = planned_run(&world);
         search.visit(world, None);
     }
-    let alphabet = alphabet();
+    let alphabet = alphabet::<D>();
     let mut next = 0;
-    while next < search.nodes.len() {
+    while next < search.nodes.len().min(most) {
         let end = search.nodes.len().min(next + SIDE_BY_SIDE);
         let expanded: Vec<_> = (next..end)
             .into_par_iter()
@@ -139,9 +154,9 @@ pub fn explore() -> Result<Exploration, Counterexample> {
     Ok(search.found)
 }
 
-impl Search {
+impl<D: ExploredDrives> Search<D> {
     /// Notes a world if its state is new.
-    fn visit(&mut self, world: World, came: Option<(usize, Event)>) {
+    fn visit(&mut self, world: World<D>, came: Option<(usize, Event)>) {
         let view = world.view();
         if self.known.insert(view) {
             self.found.reached.insert(view.state);
@@ -160,7 +175,7 @@ impl Search {
         &mut self,
         index: usize,
         outcome: Result<WayOut, Violation>,
-        tried: Vec<Tried>,
+        tried: Vec<Tried<D>>,
     ) -> Result<(), Counterexample> {
         match outcome {
             Ok(WayOut::Motion) => self.found.ways_out[0] += 1,
@@ -187,14 +202,14 @@ impl Search {
     }
 
     /// Tries every event in a state.
-    fn expand(&self, index: usize, alphabet: &[Event]) -> Vec<Tried> {
+    fn expand(&self, index: usize, alphabet: &[Event]) -> Vec<Tried<D>> {
         let node = &self.nodes[index].world;
         let fault = node.view().fault;
         let try_one = |&event: &Event| {
             let mut world = node.clone();
             let mut last = world.view();
             let (mut worlds, mut detected) = (Vec::new(), None);
-            let happened = world.happen(event, &self.run, &mut |world: &World| {
+            let happened = world.happen(event, &self.run, &mut |world: &World<D>| {
                 let view = world.view();
                 if last.fault.is_none() {
                     detected = detected.or(view.fault);
@@ -271,7 +286,7 @@ impl Search {
 }
 
 /// A stop brings an arm to rest; a crossing ends first.
-fn stops(mut world: World) -> Result<(), Violation> {
+fn stops<D: ExploredDrives>(mut world: World<D>) -> Result<(), Violation> {
     world.disturb(None);
     world.command(HostCommand::Request(Request::Stop))?;
     let rule = "a stop brings the arm to rest";
@@ -279,11 +294,15 @@ fn stops(mut world: World) -> Result<(), Violation> {
 }
 
 /// An arm whose host is silent comes to rest.
-fn rests_for_silent_host(mut world: World) -> Result<(), Violation> {
+fn rests_for_silent_host<D: ExploredDrives>(mut world: World<D>) -> Result<(), Violation> {
     comes_to_rest(&mut world, false, "the arm rests for a silent host")
 }
 
-fn comes_to_rest(world: &mut World, polls: bool, rule: &'static str) -> Result<(), Violation> {
+fn comes_to_rest<D: ExploredDrives>(
+    world: &mut World<D>,
+    polls: bool,
+    rule: &'static str,
+) -> Result<(), Violation> {
     for _ in 0..REST {
         world.tick(polls, &mut |_| ())?;
         let view = world.view();
@@ -296,7 +315,7 @@ fn comes_to_rest(world: &mut World, polls: bool, rule: &'static str) -> Result<(
 }
 
 /// An arm that is left alone for a minute has no power.
-fn is_switched_off(mut world: World) -> Result<(), Violation> {
+fn is_switched_off<D: ExploredDrives>(mut world: World<D>) -> Result<(), Violation> {
     for _ in 0..ABANDONED {
         world.tick(false, &mut |_| ())?;
     }

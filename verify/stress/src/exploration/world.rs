@@ -1,14 +1,15 @@
 //! A controller with its planner and its session, its host and its arm. A clone of it goes on from
 //! where it is.
 
-use super::arm::{Disturbance, FollowingArm, settings};
+use super::arm::{Disturbance, FollowingArm};
 use super::history::{Broken, History};
+use super::kind::ExploredDrives;
 use super::view::{Outside, View};
 use crate::rules::{Rules, Violation};
 use crate::way_out::Machine;
 use fivebar_firmware::board::Board;
-use fivebar_firmware::controller::{Controller, Request};
-use fivebar_firmware::drivers::WAKE_UP_TIME;
+use fivebar_firmware::controller::{ArmController, Request};
+use fivebar_firmware::drives::Drives;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION,
@@ -26,19 +27,23 @@ const ZERO_TICKS: u32 = 64 + 2048;
 /// A board that stores everything.
 struct Flash;
 
-impl Board for Flash {
+impl<D: Drives> Board<D> for Flash {
     fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
         Ok(())
     }
 
-    fn tick(&mut self, _: &mut Controller, _: &SensorSample) -> Option<(ActuatorCommand, u32)> {
+    fn tick(
+        &mut self,
+        _: &mut ArmController<D>,
+        _: &SensorSample,
+    ) -> Option<(ActuatorCommand, u32)> {
         None
     }
 }
 
 #[derive(Clone)]
-pub(super) struct World {
-    controller: Controller,
+pub(super) struct World<D: ExploredDrives> {
+    controller: ArmController<D>,
     planner: Planner,
     session: session::Session,
     settings: Settings,
@@ -56,17 +61,18 @@ pub(super) struct World {
     view: (View, u32),
 }
 
-impl World {
+impl<D: ExploredDrives> World<D> {
     /// After power-up and the hello of a host.
     pub(super) fn new(has_settings: bool) -> Result<Self, Violation> {
-        let settings = settings();
+        let settings = D::settings();
         let checked = settings.check().expect("the settings are valid");
-        let controller = Controller::new(&checked);
+        let controller = ArmController::<D>::new(&checked);
         let identity = Identity::new(Kind::Desktop, Reset::Power);
         let protection = &settings.protection;
         let rate = settings.control.tick_rate;
         let mut rules = Rules::with_timeout((protection.command_timeout * rate) as u32);
         rules.tool_off = settings.tool_output.off();
+        rules.open_loop = D::OPEN_LOOP;
         let status = controller.status();
         let command = ActuatorCommand {
             brake: true,
@@ -87,7 +93,7 @@ impl World {
             settings,
             arm: FollowingArm::at_start(),
             rules,
-            history: History::new((WAKE_UP_TIME * rate) as u32),
+            history: History::new((D::WAKE_UP_TIME * rate) as u32),
             next: Sequence(0),
             ticks: 0,
             status,
@@ -186,11 +192,7 @@ impl World {
                 self.broken(Err(("a refused order changes nothing", found)))?;
             }
         } else {
-            let powers = matches!(
-                command,
-                HostCommand::Request(Request::Arm | Request::Home | Request::Excite(_))
-            );
-            if powers && !self.outside.has_settings {
+            if Self::powers(&command) && !self.outside.has_settings {
                 let found = format!("{command:?}");
                 self.broken(Err(("default settings power no motor", found)))?;
             }
@@ -202,12 +204,19 @@ impl World {
         Ok(error)
     }
 
+    /// Whether an executed command gives the drives power.
+    fn powers(command: &HostCommand) -> bool {
+        match command {
+            HostCommand::Request(Request::Arm | Request::Home | Request::Excite(_)) => true,
+            HostCommand::Request(Request::SetAngles(_)) => D::OPEN_LOOP,
+            _ => false,
+        }
+    }
+
     /// What an executed command means for the rules and for what is known outside.
     fn note(&mut self, command: &HostCommand) {
         match command {
-            HostCommand::Request(Request::Arm | Request::Home | Request::Excite(_)) => {
-                self.rules.permitted = true;
-            }
+            powering if Self::powers(powering) => self.rules.permitted = true,
             HostCommand::Request(Request::EmergencyStop) => self.rules.permitted = false,
             HostCommand::Request(Request::ClearFault) => self.rules.cleared = true,
             HostCommand::ApplySettings => {
@@ -265,7 +274,8 @@ impl World {
             self.broken(kept)?;
         }
         let sample = self.arm.sense(&self.settings);
-        self.command = self.controller.tick(&sample);
+        let command = self.controller.tick(&D::sample(&self.arm, &sample));
+        self.command = D::seen(&command);
         self.status = self.controller.status();
         self.ticks += 1;
         self.rules
@@ -275,11 +285,13 @@ impl World {
         let kept = self.history.ticked(&sample, &self.command, &self.status);
         self.broken(kept)?;
         let searches = matches!(self.status.state, State::Homing | State::Exciting);
-        if searches && self.rules.silence > self.rules.timeout + 2 {
+        // Nothing moves while the drives wake up.
+        let wake_up = (D::WAKE_UP_TIME * self.settings.control.tick_rate) as u32;
+        if searches && self.rules.silence > self.rules.timeout.max(wake_up) + 2 {
             let rule = "a search and an excitation end for a silent host";
             self.broken(Err((rule, format!("{:?}", self.status.state))))?;
         }
-        self.arm.step(&self.command, &self.status, &self.settings);
+        D::step(&mut self.arm, &command, &self.status, &self.settings);
         self.measure_zeros();
         let (view, ticks) = self.view;
         let now = self.seen_from_outside();
@@ -352,7 +364,7 @@ impl World {
     }
 }
 
-impl Machine for World {
+impl<D: ExploredDrives> Machine for World<D> {
     fn send(&mut self, command: HostCommand) -> Result<Option<CommandError>, Violation> {
         self.command(command)
     }

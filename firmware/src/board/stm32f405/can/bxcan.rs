@@ -19,7 +19,7 @@ use stm32f4xx_hal::pac::{CAN1, RCC, can1};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
 /// How often the flag of the initialisation mode is looked at. The bus is idle, so the mode begins within a few bits.
-const PATIENCE: u32 = 10_000;
+const TIMEOUT_READS: u32 = 10_000;
 /// CAN1 in RCC's registers of APB1.
 const CAN1_BIT: u32 = 1 << 25;
 
@@ -250,5 +250,5 @@ fn begins_initialisation(can: &CAN1) -> bool {
     #[allow(unsafe_code)]
     can.mcr()
         .write(|w| unsafe { w.bits(HALT_WITH_CORE | INITIALISE) });
-    (0..PATIENCE).any(|_| can.msr().read().bits() & NOT_ON_BUS == INITIALISE)
+    (0..TIMEOUT_READS).any(|_| can.msr().read().bits() & NOT_ON_BUS == INITIALISE)
 }

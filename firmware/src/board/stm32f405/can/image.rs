@@ -42,7 +42,7 @@ mod app {
     use fivebar_firmware::board::stm32f405::self_test::Started;
     use fivebar_firmware::board::stm32f405::services::{self, BoardServices};
     use fivebar_firmware::board::stm32f405::watchdog::Tasks;
-    use fivebar_firmware::board::stm32f405::{brown_out, post_mortem, serial, tool};
+    use fivebar_firmware::board::stm32f405::{brown_out, halt, post_mortem, serial, tool};
     use fivebar_firmware::drives::{BrushedCommand, BrushedSample, TorqueDrives};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
@@ -93,12 +93,13 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let (device, mut core) = (cx.device, cx.core);
         let (reset, hung) = post_mortem::reset_reason(&device.RCC);
+        halt::prepare(&device.DBGMCU);
         let brown_out = brown_out::enable_reset(&device.FLASH);
         let (mut rcc, clocks) = clocks::start(device.RCC, &device.FLASH, &device.TIM11);
         let source = clocks.source;
         if source == Source::Internal {
             defmt::error!(
-                "no clock from a crystal of 8 MHz; it has {} Hz",
+                "no clock from a crystal that this image takes; it has {} Hz",
                 clocks.crystal
             );
         }
@@ -138,7 +139,9 @@ mod app {
         if missing.is_none() {
             board::Board::<TorqueDrives>::use_settings(&mut services, settings);
         }
-        CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
+        if !crystal_runs {
+            CLOCK_FAILED.store(true, Ordering::Relaxed);
+        }
         defmt::info!("started after a reset: {}", reset);
 
         let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
@@ -169,6 +172,10 @@ mod app {
             services,
             log: EventLog::new(),
         };
+        if crystal_runs && CLOCK_FAILED.load(Ordering::Relaxed) {
+            // It failed meanwhile, and what came behind it set up pins and dividers as if it had not.
+            super::crystal_failed();
+        }
         let sample = SensorSample::default();
         let shared = Shared {
             controller,
@@ -303,6 +310,11 @@ unsafe fn DefaultHandler(_: i16) {
 /// The crystal failed: the core now runs from the internal oscillator, whose clock is not good enough for the bus.
 #[exception]
 unsafe fn NonMaskableInt() {
+    crystal_failed();
+}
+
+/// Whatever it interrupts. The power goes first, and no code that goes on gives it back.
+fn crystal_failed() {
     bxcan::leave();
     app::CLOCK_FAILED.store(true, core::sync::atomic::Ordering::Relaxed);
     clocks::acknowledge_failure();

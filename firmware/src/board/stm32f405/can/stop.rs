@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 static STOPS: [[AtomicU32; 4]; 2] = [const { [const { AtomicU32::new(0) }; 4] }; 2];
 /// How often the mailboxes are looked at: a frame that is on its way and two of 0.135 ms each are over after 0.4 ms, and
 /// one look takes 5 cycles at least.
-const PATIENCE: u32 = 20_000;
+const TIMEOUT_READS: u32 = 20_000;
 
 /// The frames from now on.
 pub fn prepare(frames: [Frame; 2]) {
@@ -35,9 +35,9 @@ pub fn end(cause: EndCause) -> ! {
         let [_, length, ..] = words;
         if length > 0 {
             // A mailbox is free at last when the frame in it is over, or is taken back.
-            let _ = (0..PATIENCE).any(|_| bxcan::put(can, words));
+            let _ = (0..TIMEOUT_READS).any(|_| bxcan::put(can, words));
         }
     }
-    let _ = (0..PATIENCE).any(|_| bxcan::is_empty(can));
+    let _ = (0..TIMEOUT_READS).any(|_| bxcan::is_empty(can));
     reset_after(cause)
 }

@@ -39,7 +39,7 @@ mod app {
     use fivebar_firmware::board::stm32f405::stepper::sensors::Sensors;
     use fivebar_firmware::board::stm32f405::stepper::timers::{self, TICK_CYCLES};
     use fivebar_firmware::board::stm32f405::watchdog::Tasks;
-    use fivebar_firmware::board::stm32f405::{brown_out, post_mortem, serial, tool};
+    use fivebar_firmware::board::stm32f405::{brown_out, halt, post_mortem, serial, tool};
     use fivebar_firmware::drives::{BrushedCommand, BrushedSample, StepDrives};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
@@ -88,12 +88,13 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let (device, mut core) = (cx.device, cx.core);
         let (reset, hung) = post_mortem::reset_reason(&device.RCC);
+        halt::prepare(&device.DBGMCU);
         let brown_out = brown_out::enable_reset(&device.FLASH);
         let (mut rcc, clocks) = clocks::start(device.RCC, &device.FLASH, &device.TIM11);
         let source = clocks.source;
         if source == Source::Internal {
             defmt::error!(
-                "no clock from a crystal of 8 MHz; it has {} Hz",
+                "no clock from a crystal that this image takes; it has {} Hz",
                 clocks.crystal
             );
         }
@@ -129,7 +130,9 @@ mod app {
             board::Board::<StepDrives>::use_settings(&mut services, settings);
         }
         let crystal_runs = source == Source::Crystal;
-        CLOCK_FAILED.store(!crystal_runs, Ordering::Relaxed);
+        if !crystal_runs {
+            CLOCK_FAILED.store(true, Ordering::Relaxed);
+        }
         defmt::info!("started after a reset: {}", reset);
 
         let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
@@ -160,6 +163,10 @@ mod app {
             services,
             log: EventLog::new(),
         };
+        if crystal_runs && CLOCK_FAILED.load(Ordering::Relaxed) {
+            // It failed meanwhile, and what came behind it set up pins and dividers as if it had not.
+            super::crystal_failed();
+        }
         let sample = SensorSample::default();
         (Shared { controller, sample }, local)
     }
@@ -188,7 +195,7 @@ mod app {
         let waited = timers::since_tick();
         let missed = meter.missed(TICK_CYCLES);
         meter.measure(waited, || {
-            let stopped = STOP.swap(false, Ordering::Relaxed);
+            let stopped = STOP.swap(false, Ordering::Relaxed) || outputs.timers.is_held();
             let sample = sensors.sample(outputs.steps(missed), missed, stopped);
             let reported = sample.with_drives(BrushedSample::default());
             cx.shared.sample.lock(|latest| *latest = reported);
@@ -316,7 +323,12 @@ unsafe fn DefaultHandler(_: i16) {
 /// timers has tripped.
 #[exception]
 unsafe fn NonMaskableInt() {
-    timers::unpower();
+    crystal_failed();
+}
+
+/// Whatever it interrupts. The power goes first, and no code that goes on gives it back.
+fn crystal_failed() {
+    timers::unpower_until_reset();
     app::CLOCK_FAILED.store(true, core::sync::atomic::Ordering::Relaxed);
     clocks::acknowledge_failure();
     serial::follow_internal_oscillator();

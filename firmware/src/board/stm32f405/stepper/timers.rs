@@ -31,9 +31,11 @@ const FLAGS: u32 = 0x1eff;
 const TICK_FLAGS: u32 = 0x1e5f;
 /// PB14 and PB15, the drivers' enables: high is without power.
 const ENABLE_PINS: u32 = 1 << 14 | 1 << 15;
+/// Their modes in MODER, two bits each; zeros: inputs.
+const ENABLE_MODES: u32 = 0b1111 << 28;
 
 /// Takes the power from both motors and stops the pulses by three register writes, from any context and in any state: for
-/// the handlers of panics and faults, which own no peripheral.
+/// the handlers of panics and faults, which own no peripheral and end in a reset.
 #[allow(unsafe_code)]
 pub fn unpower() {
     // SAFETY: the writes only switch off, and the callers do not return to code that would switch on again.
@@ -41,6 +43,22 @@ pub fn unpower() {
         (*GPIOB::ptr()).bsrr().write(|w| w.bits(ENABLE_PINS));
         (*TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
         (*TIM8::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
+    }
+}
+
+/// Takes the power from both motors until the next reset, for a handler that returns.
+///
+/// A tick that it interrupts goes on to apply its command, which may give the motors power. So the drivers' enables are no
+/// outputs of the chip any more, and no tick makes them that; the drivers' pull-ups keep them high. Pulses may go on
+/// until the next tick: to drivers without power.
+pub fn unpower_until_reset() {
+    unpower();
+    // SAFETY: nothing else writes the register after the start, which calls this again at its end.
+    #[allow(unsafe_code)]
+    unsafe {
+        (*GPIOB::ptr())
+            .moder()
+            .modify(|modes, w| w.bits(modes.bits() & !ENABLE_MODES));
     }
 }
 
@@ -79,6 +97,8 @@ pub struct StepTimers {
     timer1: TIM1,
     timer4: TIM8,
     powered: bool,
+    /// A break input is active still.
+    held: bool,
 }
 
 impl StepTimers {
@@ -113,6 +133,7 @@ impl StepTimers {
             timer1,
             timer4,
             powered: false,
+            held: false,
         }
     }
 
@@ -153,9 +174,17 @@ impl StepTimers {
         }
     }
 
+    /// Whether a break input was active at the end of the tick before. That of motor 4 is read by nothing else: with its
+    /// wire off, motor 1 would step alone.
+    #[inline]
+    pub fn is_held(&self) -> bool {
+        self.held
+    }
+
     /// Enables the break interrupts again, once the inputs are released. Called in every tick.
     #[inline]
     pub fn rearm_break(&mut self) {
+        self.held = false;
         for timer in [&*self.timer1, &*self.timer4] {
             if timer.dier().read().bie().bit_is_set() {
                 continue;
@@ -167,6 +196,8 @@ impl StepTimers {
                 .write(|w| unsafe { w.bits(FLAGS) }.bif().clear_bit());
             if timer.sr().read().bif().bit_is_clear() {
                 timer.dier().modify(|_, w| w.bie().set_bit());
+            } else {
+                self.held = true;
             }
         }
     }

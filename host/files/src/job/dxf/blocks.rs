@@ -8,6 +8,7 @@ const DEEPEST: usize = 16;
 const MOST_COPIES: f64 = 1000.0;
 
 /// A block of a file.
+#[derive(Clone, Copy)]
 pub(super) struct Block<'a> {
     pub(super) name: &'a str,
     /// The point of the block that comes to that of the INSERT [the file's units].
@@ -65,22 +66,28 @@ impl<'a> Frame<'a> {
         }
     }
 
+    /// The columns and rows of an INSERT in this frame.
+    pub(super) fn counts(&self, insert: &Entity<'a>) -> Result<[usize; 2], String> {
+        if self.depth == DEEPEST {
+            return Err(insert.wrong("its blocks contain themselves"));
+        }
+        let or = |code| Ok::<_, String>(insert.number(code)?.unwrap_or(1.0));
+        let counts = [or(70)?, or(71)?];
+        if counts.iter().any(|&count| count > MOST_COPIES) {
+            return Err(insert.wrong("it has more than 1000 columns or rows"));
+        }
+        Ok(counts.map(|count| count.max(1.0) as usize))
+    }
+
     /// The frames of the copies of a block that an INSERT in this frame draws. `mirrors`: its normal is −z.
     pub(super) fn copies(
         &self,
         insert: &Entity<'a>,
         block: &Block<'a>,
+        [columns, rows]: [usize; 2],
         mirrors: bool,
-    ) -> Result<Vec<Self>, String> {
-        if self.depth == DEEPEST {
-            return Err(insert.wrong("its blocks contain themselves"));
-        }
+    ) -> Result<impl Iterator<Item = Self>, String> {
         let or = |code, default| Ok::<_, String>(insert.number(code)?.unwrap_or(default));
-        let counts = [or(70, 1.0)?, or(71, 1.0)?];
-        if counts.iter().any(|&count| count > MOST_COPIES) {
-            return Err(insert.wrong("it has more than 1000 columns or rows"));
-        }
-        let [columns, rows] = counts.map(|count| count.max(1.0) as usize);
         let steps = [or(44, 0.0)?, or(45, 0.0)?];
         let (sin, cos) = or(50, 0.0)?.to_radians().sin_cos();
         let [sx, sy] = [or(41, 1.0)?, or(42, 1.0)?];
@@ -88,26 +95,26 @@ impl<'a> Frame<'a> {
         let side = if mirrors { -1.0 } else { 1.0 };
         // A point of the block in the frame of this one: turned, scaled and moved, then mirrored in x.
         let linear = [[side * cos * sx, -side * sin * sy], [sin * sx, cos * sy]];
-        let copy = |index: usize| {
+        let (frame, base, layer) = (*self, block.base, self.layer_of(insert));
+        let copy = move |index: usize| {
             let step = [
                 (index % columns) as f64 * steps[0],
                 (index / columns) as f64 * steps[1],
             ];
             let turned = [cos * step[0] - sin * step[1], sin * step[0] + cos * step[1]];
             let zero = [side * (at[0] + turned[0]), at[1] + turned[1]];
-            let moved = [0, 1].map(|row| {
-                zero[row] - linear[row][0] * block.base[0] - linear[row][1] * block.base[1]
-            });
+            let moved =
+                [0, 1].map(|row| zero[row] - linear[row][0] * base[0] - linear[row][1] * base[1]);
             let part = |row: usize, column: usize| {
-                self.matrix[row][0] * linear[0][column] + self.matrix[row][1] * linear[1][column]
+                frame.matrix[row][0] * linear[0][column] + frame.matrix[row][1] * linear[1][column]
             };
             Self {
                 matrix: [[part(0, 0), part(0, 1)], [part(1, 0), part(1, 1)]],
-                offset: self.place(moved),
-                layer: Some(self.layer_of(insert)),
-                depth: self.depth + 1,
+                offset: frame.place(moved),
+                layer: Some(layer),
+                depth: frame.depth + 1,
             }
         };
-        Ok((0..columns * rows).map(copy).collect())
+        Ok((0..columns * rows).map(copy))
     }
 }

@@ -1,9 +1,12 @@
 //! Curves of DXF as lines [m].
 
+use crate::budget::{Budget, OverBudget};
 use std::f64::consts::TAU;
 
 type Point = [f64; 2];
 
+/// Highest degree of a spline.
+const HIGHEST: usize = 9;
 /// Most bisections of a span of a spline.
 const MOST_BISECTIONS: u32 = 14;
 /// Bisections of every span, before which a curve that turns back may look straight.
@@ -15,15 +18,17 @@ pub(super) fn ellipse(
     [major, minor]: [Point; 2],
     [from, to]: [f64; 2],
     tolerance: f64,
-) -> impl Iterator<Item = Point> {
+    budget: &mut Budget,
+) -> Result<impl Iterator<Item = Point> + use<>, OverBudget> {
     let radius = major[0].hypot(major[1]).max(minor[0].hypot(minor[1]));
     // The sagitta of a chord over 2a is r (1 − cos a) ≤ r a²/2.
     let half = (2.0 * tolerance / radius.max(tolerance)).sqrt();
-    let count = ((to - from).abs() / (2.0 * half)).ceil().max(8.0) as u32;
-    (0..=count).map(move |step| {
-        let (sin, cos) = (from + (to - from) * f64::from(step) / f64::from(count)).sin_cos();
+    let count = ((to - from).abs() / (2.0 * half)).max(8.0);
+    let count = budget.take_calculated(count)?;
+    Ok((0..=count).map(move |step| {
+        let (sin, cos) = (from + (to - from) * step as f64 / count as f64).sin_cos();
         [0, 1].map(|axis| center[axis] + cos * major[axis] + sin * minor[axis])
-    })
+    }))
 }
 
 /// Points of an arc of a circle, counter-clockwise from one angle to the other [rad].
@@ -32,17 +37,25 @@ pub(super) fn arc(
     radius: f64,
     [from, to]: [f64; 2],
     tolerance: f64,
-) -> impl Iterator<Item = Point> {
+    budget: &mut Budget,
+) -> Result<Vec<Point>, OverBudget> {
     let sweep = (to - from).rem_euclid(TAU);
     let sweep = if sweep < 1e-9 { TAU } else { sweep };
     let axes = [[radius, 0.0], [0.0, radius]];
-    ellipse(center, axes, [from, from + sweep], tolerance)
+    Ok(ellipse(center, axes, [from, from + sweep], tolerance, budget)?.collect())
 }
 
 /// Adds the piece of a polyline to `to`: an arc whose quarter angle has the tangent `bulge`.
-pub(super) fn bulge(stroke: &mut Vec<Point>, to: Point, bulge: f64, tolerance: f64) {
+pub(super) fn bulge(
+    stroke: &mut Vec<Point>,
+    to: Point,
+    bulge: f64,
+    tolerance: f64,
+    budget: &mut Budget,
+) -> Result<(), OverBudget> {
     let Some(&from) = stroke.last() else {
-        return stroke.push(to);
+        stroke.push(to);
+        return Ok(());
     };
     let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
     if bulge.abs() > 1e-9 && dx.hypot(dy) > 0.0 {
@@ -53,11 +66,12 @@ pub(super) fn bulge(stroke: &mut Vec<Point>, to: Point, bulge: f64, tolerance: f
         ];
         let [x, y] = [from[0] - center[0], from[1] - center[1]];
         let axes = [[x, y], [-y, x]];
-        let points = ellipse(center, axes, [0.0, 4.0 * bulge.atan()], tolerance);
+        let points = ellipse(center, axes, [0.0, 4.0 * bulge.atan()], tolerance, budget)?;
         stroke.extend(points.skip(1));
         stroke.pop();
     }
     stroke.push(to);
+    Ok(())
 }
 
 /// A rational B-spline.
@@ -77,7 +91,7 @@ impl Spline {
             points,
             weights,
         } = self;
-        (1..=9).contains(degree)
+        (1..=HIGHEST).contains(degree)
             && points.len() > *degree
             && knots.len() == points.len() + degree + 1
             && weights.len() == points.len()
@@ -88,12 +102,11 @@ impl Spline {
 
     /// A point in the span from knot `span` on, by de Boor's algorithm.
     fn at(&self, span: usize, u: f64) -> Point {
-        let mut row: Vec<[f64; 3]> = (span - self.degree..=span)
-            .map(|index| {
-                let ([x, y], weight) = (self.points[index], self.weights[index]);
-                [weight * x, weight * y, weight]
-            })
-            .collect();
+        let mut row = [[0.0; 3]; HIGHEST + 1];
+        for (column, index) in row.iter_mut().zip(span - self.degree..=span) {
+            let ([x, y], weight) = (self.points[index], self.weights[index]);
+            *column = [weight * x, weight * y, weight];
+        }
         for level in 1..=self.degree {
             for index in (level..=self.degree).rev() {
                 let low = self.knots[span - self.degree + index];
@@ -108,47 +121,72 @@ impl Spline {
     }
 
     /// Its points.
-    pub(super) fn stroke(&self, tolerance: f64) -> Vec<Point> {
+    pub(super) fn stroke(
+        &self,
+        tolerance: f64,
+        budget: &mut Budget,
+    ) -> Result<Vec<Point>, OverBudget> {
         let mut stroke = Vec::new();
         for span in self.degree..self.points.len() {
             let [from, to] = [self.knots[span], self.knots[span + 1]];
             if from < to {
-                stroke.push(self.at(span, from));
+                let [first, center, last] = [from, 0.5 * (from + to), to].map(|u| self.at(span, u));
+                budget.take(1)?;
+                stroke.push(first);
                 let piece = Piece {
                     span,
                     parameters: [from, to],
+                    ends: [first, last],
+                    center,
                     depth: 0,
                 };
-                self.divide(&piece, tolerance, &mut stroke);
+                self.divide(&piece, tolerance, &mut stroke, budget)?;
             }
         }
-        stroke
+        Ok(stroke)
     }
 
     /// Adds the points from behind the first end to the last one.
-    fn divide(&self, piece: &Piece, tolerance: f64, stroke: &mut Vec<Point>) {
+    fn divide(
+        &self,
+        piece: &Piece,
+        tolerance: f64,
+        stroke: &mut Vec<Point>,
+        budget: &mut Budget,
+    ) -> Result<(), OverBudget> {
         let Piece {
             span,
             parameters: [from, to],
+            ends,
+            center,
             depth,
         } = *piece;
-        let at = |share: f64| self.at(span, from + share * (to - from));
-        let ends = [self.at(span, from), self.at(span, to)];
-        let is_flat = [0.25, 0.5, 0.75]
-            .iter()
-            .all(|&share| distance(at(share), ends) < tolerance);
-        if depth >= MOST_BISECTIONS || depth >= LEAST_BISECTIONS && is_flat {
-            return stroke.push(ends[1]);
+        // The time for a point grows with the square of the degree.
+        budget.take(self.degree / 4)?;
+        let quarters = [0.25, 0.75].map(|share| self.at(span, from + share * (to - from)));
+        let is_near = |point: Point| distance(point, ends) < tolerance;
+        let is_flat = || is_near(center) && quarters.into_iter().all(is_near);
+        if depth >= MOST_BISECTIONS || depth >= LEAST_BISECTIONS && is_flat() {
+            budget.take(1)?;
+            stroke.push(ends[1]);
+            return Ok(());
         }
         let middle = 0.5 * (from + to);
-        for parameters in [[from, middle], [middle, to]] {
+        let halves = [
+            ([from, middle], [ends[0], center], quarters[0]),
+            ([middle, to], [center, ends[1]], quarters[1]),
+        ];
+        for (parameters, ends, center) in halves {
             let half = Piece {
                 span,
                 parameters,
+                ends,
+                center,
                 depth: depth + 1,
             };
-            self.divide(&half, tolerance, stroke);
+            self.divide(&half, tolerance, stroke, budget)?;
         }
+        Ok(())
     }
 }
 
@@ -157,6 +195,9 @@ struct Piece {
     span: usize,
     /// Of its ends.
     parameters: [f64; 2],
+    ends: [Point; 2],
+    /// Where its middle parameter is.
+    center: Point,
     /// How often the curve was divided in two for it.
     depth: u32,
 }

@@ -1,5 +1,7 @@
 //! DXF as entities: lines in pairs, a number that says what the value on the next line is.
 
+use crate::budget::Budget;
+
 /// A value and the number of its meaning, its group code.
 pub(super) type Group<'a> = (i32, &'a str);
 
@@ -55,6 +57,7 @@ impl<'a> Entity<'a> {
 /// The entities of a file.
 pub(super) fn entities(text: &str) -> Result<Vec<Entity<'_>>, String> {
     let mut entities: Vec<Entity<'_>> = Vec::new();
+    let mut budget = Budget::groups();
     let mut lines = (1..).zip(text.lines().map(str::trim));
     while let Some((line, code)) = lines.next() {
         let value = lines.next();
@@ -66,6 +69,7 @@ pub(super) fn entities(text: &str) -> Result<Vec<Entity<'_>>, String> {
             .map_err(|_| format!("line {line} is no group code"))?;
         let (_, value) =
             value.ok_or_else(|| format!("the file ends behind line {line}: save it again"))?;
+        budget.take(1)?;
         match entities.last_mut() {
             _ if code == 0 => entities.push(Entity {
                 line,

@@ -8,17 +8,17 @@ mod blocks;
 mod curves;
 mod entity;
 
-use super::drawing::{self, Pen, Stroke};
-use super::motion::within_reach;
+use super::drawing::{self, Pen, Stroke, within_earth};
 use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
+use crate::budget::Budget;
 use blocks::{Block, Frame};
 use curves::Spline;
 use entity::{Entity, entities};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
-/// Most points of a drawing.
-const MOST_POINTS: usize = 1_000_000;
+/// Most kinds of entities that are named as left out.
+const MOST_KINDS: usize = 20;
 /// A normal is ±z up to this.
 const UPRIGHT: f64 = 1e-6;
 
@@ -32,10 +32,11 @@ pub(super) fn interpret(
     let mut drawing = Drawing {
         tolerance: options.tolerance,
         unit: None,
-        hidden: Vec::new(),
-        blocks: Vec::new(),
+        hidden: BTreeSet::new(),
+        blocks: BTreeMap::new(),
         pens: Vec::new(),
-        points: 0,
+        pen_of: BTreeMap::new(),
+        budget: Budget::points(),
         left_out: BTreeMap::new(),
     };
     drawing.file(&entities).map_err(unreadable)?;
@@ -46,7 +47,7 @@ pub(super) fn interpret(
     let mut notes: Vec<Warning> = left_out.collect();
     if drawing.unit.is_none() {
         let what = "the DXF states no unit ($INSUNITS): its numbers are read as millimetres";
-        notes.push(Warning::at(0, WarningKind::Drawing(what)));
+        notes.push(Warning::at(0, WarningKind::Drawing(what.into())));
     }
     let job = drawing::job(drawing.pens, notes, placement, options)?;
     if job.steps.iter().any(Step::draws) {
@@ -64,10 +65,13 @@ struct Drawing<'a> {
     /// Metres per unit, if it is stated.
     unit: Option<f64>,
     /// The layers that are off or frozen.
-    hidden: Vec<String>,
-    blocks: Vec<Block<'a>>,
+    hidden: BTreeSet<&'a str>,
+    blocks: BTreeMap<&'a str, Block<'a>>,
     pens: Vec<Pen>,
-    points: usize,
+    /// The numbers of the pens by their layers.
+    pen_of: BTreeMap<&'a str, usize>,
+    /// Points, and entities of blocks that are drawn again.
+    budget: Budget,
     /// What is not drawn, with its count.
     left_out: BTreeMap<String, u32>,
 }
@@ -90,7 +94,8 @@ impl<'a> Drawing<'a> {
                     let inside = rest.as_slice();
                     let ends = |it: &Entity<'_>| ["ENDBLK", "ENDSEC"].contains(&it.kind);
                     let count = inside.iter().take_while(|it| !ends(it)).count();
-                    self.blocks.push(Block::new(entity, &inside[..count])?);
+                    let block = Block::new(entity, &inside[..count])?;
+                    self.blocks.entry(block.name).or_insert(block);
                     rest = inside[count..].iter();
                 }
                 ("ENTITIES", _) => {
@@ -131,15 +136,16 @@ impl<'a> Drawing<'a> {
             return Ok(());
         };
         let name = insert.text(2).unwrap_or_default();
-        let block = self.blocks.iter().find(|block| block.name == name);
-        let Some(block) = block else {
+        let Some(&block) = self.blocks.get(name) else {
             self.leave_out("INSERT of a block that is not in the file");
             return Ok(());
         };
-        let entities = block.entities;
-        for copy in frame.copies(insert, block, view.mirrors)? {
-            self.count(1)?;
-            self.all(entities, &copy)?;
+        let counts = frame.counts(insert)?;
+        let [columns, rows] = counts;
+        self.budget
+            .take(columns * rows * (1 + block.entities.len()))?;
+        for copy in frame.copies(insert, &block, counts, view.mirrors)? {
+            self.all(block.entities, &copy)?;
         }
         Ok(())
     }
@@ -172,12 +178,12 @@ impl<'a> Drawing<'a> {
         Ok(())
     }
 
-    fn layer(&mut self, layer: &Entity<'_>) -> Result<(), String> {
+    fn layer(&mut self, layer: &'a Entity<'a>) -> Result<(), String> {
         let is_off = layer.number(62)?.is_some_and(|colour| colour < 0.0);
         if let Some(name) = layer.text(2)
             && (is_off || layer.flags(70)? & 1 != 0)
         {
-            self.hidden.push(name.into());
+            self.hidden.insert(name);
         }
         Ok(())
     }
@@ -192,6 +198,8 @@ impl<'a> Drawing<'a> {
         // Their points are the world's, whatever their normal.
         let world = view.world();
         let tolerance = self.tolerance / frame.growth().max(1.0);
+        let budget = &mut self.budget;
+        budget.take(2)?;
         let stroke: Stroke = match entity.kind {
             "LINE" => vec![
                 world.place([entity.needed(10)?, entity.needed(20)?])?,
@@ -207,7 +215,7 @@ impl<'a> Drawing<'a> {
                         _ => {}
                     }
                 }
-                view.polyline(vertices, entity.flags(70)? & 1 != 0, tolerance)?
+                view.polyline(vertices, entity.flags(70)? & 1 != 0, tolerance, budget)?
             }
             "CIRCLE" | "ARC" => {
                 let angles = match entity.kind {
@@ -219,7 +227,7 @@ impl<'a> Drawing<'a> {
                     false => angles,
                 };
                 let [radius, _] = world.place([entity.needed(40)?, 0.0])?;
-                curves::arc(place([10, 20])?, radius, angles, tolerance).collect()
+                curves::arc(place([10, 20])?, radius, angles, tolerance, budget)?
             }
             "ELLIPSE" => {
                 let center = world.place([entity.needed(10)?, entity.needed(20)?])?;
@@ -231,7 +239,7 @@ impl<'a> Drawing<'a> {
                 let sweep = (entity.number(42)?.unwrap_or(TAU) - from).rem_euclid(TAU);
                 let sweep = if sweep < 1e-9 { TAU } else { sweep };
                 let angles = [from, from + sweep];
-                curves::ellipse(center, [major, minor], angles, tolerance).collect()
+                curves::ellipse(center, [major, minor], angles, tolerance, budget)?.collect()
             }
             "SPLINE" if entity.text(10).is_some() => {
                 let [x, y] = [entity.numbers(10)?, entity.numbers(20)?];
@@ -254,7 +262,7 @@ impl<'a> Drawing<'a> {
                 if !spline.is_valid() {
                     return Err(entity.wrong("its degree, knots, points and weights do not fit"));
                 }
-                spline.stroke(tolerance)
+                spline.stroke(tolerance, budget)?
             }
             other => {
                 self.leave_out(other);
@@ -287,7 +295,8 @@ impl<'a> Drawing<'a> {
             }
         }
         let tolerance = self.tolerance / frame.growth().max(1.0);
-        let stroke = view.polyline(points, flags & 1 != 0, tolerance)?;
+        let budget = &mut self.budget;
+        let stroke = view.polyline(points, flags & 1 != 0, tolerance, budget)?;
         self.add(entity, stroke, frame)
     }
 
@@ -295,7 +304,7 @@ impl<'a> Drawing<'a> {
     fn view(&mut self, entity: &Entity<'a>, frame: &Frame<'a>) -> Result<Option<View>, String> {
         let layer = frame.layer_of(entity);
         // 60: invisible; 67: on a sheet, not in the model.
-        if entity.flags(60)? & 1 != 0 || self.hidden.iter().any(|hidden| hidden == layer) {
+        if entity.flags(60)? & 1 != 0 || self.hidden.contains(layer) {
             return Ok(None);
         }
         if entity.flags(67)? != 0 {
@@ -315,18 +324,12 @@ impl<'a> Drawing<'a> {
     }
 
     fn leave_out(&mut self, what: &str) {
+        let is_known = self.left_out.contains_key(what);
+        let what = match is_known || self.left_out.len() < MOST_KINDS {
+            true => what,
+            false => "entities of other kinds",
+        };
         *self.left_out.entry(what.into()).or_default() += 1;
-    }
-
-    /// Counts points or copies of blocks.
-    fn count(&mut self, points: usize) -> Result<(), String> {
-        self.points += points;
-        match self.points > MOST_POINTS {
-            true => Err(format!(
-                "it has more than {MOST_POINTS} points; simplify it"
-            )),
-            false => Ok(()),
-        }
     }
 
     fn add(
@@ -335,23 +338,18 @@ impl<'a> Drawing<'a> {
         mut stroke: Stroke,
         frame: &Frame<'a>,
     ) -> Result<(), String> {
-        self.count(stroke.len())?;
         let unit = self.unit.unwrap_or(1e-3);
         for point in &mut stroke {
             let placed = frame.place(point.map(|metres| metres / unit));
-            let metres = placed.map(|it| within_reach(unit * it).map_err(|e| e.to_string()));
-            let [x, y] = metres;
+            let [x, y] = placed.map(|it| within_earth(unit * it));
             *point = [x?, y?];
         }
         let name = frame.layer_of(entity);
-        let index = match self.pens.iter().position(|pen| pen.name == name) {
-            Some(index) => index,
-            None => {
-                let (name, strokes) = (name.into(), Vec::new());
-                self.pens.push(Pen { name, strokes });
-                self.pens.len() - 1
-            }
-        };
+        let index = *self.pen_of.entry(name).or_insert(self.pens.len());
+        if index == self.pens.len() {
+            let (name, strokes) = (name.into(), Vec::new());
+            self.pens.push(Pen { name, strokes });
+        }
         if stroke.len() > 1 {
             self.pens[index].strokes.push(stroke);
         }
@@ -377,7 +375,7 @@ impl View {
 
     fn place(self, [x, y]: [f64; 2]) -> Result<[f64; 2], String> {
         let x = if self.mirrors { -x } else { x };
-        let [x, y] = [x, y].map(|it| within_reach(self.unit * it).map_err(|e| e.to_string()));
+        let [x, y] = [x, y].map(|it| within_earth(self.unit * it));
         Ok([x?, y?])
     }
 
@@ -387,12 +385,15 @@ impl View {
         vertices: Vec<([f64; 2], f64)>,
         is_closed: bool,
         tolerance: f64,
+        budget: &mut Budget,
     ) -> Result<Stroke, String> {
         let mut stroke = Vec::new();
         let mut bulge = 0.0;
         let first = vertices.first().copied().filter(|_| is_closed);
         for (point, next) in vertices.into_iter().chain(first) {
-            curves::bulge(&mut stroke, self.place(point)?, bulge, tolerance);
+            let to = self.place(point)?;
+            budget.take(1)?;
+            curves::bulge(&mut stroke, to, bulge, tolerance, budget)?;
             bulge = if self.mirrors { -next } else { next };
         }
         Ok(stroke)

@@ -1,28 +1,29 @@
-//! HPGL plots as jobs, as plotters and cutters take them: pens, lines, circles, arcs and rectangles.
+//! HPGL plots as jobs, as plotters and cutters take them: pens, lines, circles, arcs, curves, rectangles and wedges.
 //!
 //! A unit is 0.025 mm, x is to the right, y up. What would change the drawing is refused with the
 //! number of its command; labels are left out and noted.
 
+mod arcs;
 mod command;
 
 use super::drawing::{self, Stroke};
 use super::motion::within_reach;
 use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
+use crate::budget::Budget;
 use command::{Command, commands};
-use std::f64::consts::TAU;
 
 /// Metres per unit.
 const UNIT: f64 = 25e-6;
-/// Most points of a plot.
-const MOST_POINTS: usize = 1_000_000;
 /// Greatest number of a pen.
 const LAST_PEN: f64 = 255.0;
 
-/// Commands that change no line: speed, force, widths, fonts, fills, formats of the page.
-const WITHOUT_LINES: &str = "VS FS PT PW WU LA CO NP PC BP PS MC SD AD SS SA SI SR DI DR DT SL ES FT \
+/// Commands that change no line: the chords of arcs, whose tolerance is the arm's, speed, force, widths, fonts, fills, formats of the page.
+const WITHOUT_LINES: &str = "CT VS FS PT PW WU LA CO NP PC BP PS MC SD AD SS SA SI SR DI DR DT SL ES FT \
     LO DV AF PG RP NR TL IM IV OE OI OS OA OC OD OF OH OO OP OW AS AP CS CA UL SB TR MG EC MT QL CR CV PM EP";
+/// Commands with numbers, whose count was wrong if nothing else has read them.
+const WITH_NUMBERS: &str = "CI AA AR AT RT EA ER EW BZ BR IP SC RO";
 /// Commands that would draw otherwise than they are read here.
-const REFUSED: &str = "PE AT RT EW WG BZ BR XT YT SM UC PB";
+const REFUSED: &str = "PE XT YT SM UC PB";
 
 pub(super) fn interpret(
     text: &str,
@@ -45,7 +46,7 @@ pub(super) fn interpret(
     if job.steps.iter().any(Step::draws) {
         Ok(job)
     } else {
-        let reason = "the plot draws nothing: no PD, CI, AA or EA with a pen";
+        let reason = "the plot draws nothing: no PD, CI, EA or EW with a pen";
         Err(JobError::Drawing(reason.into()))
     }
 }
@@ -73,7 +74,11 @@ struct Plot {
     zero: [f64; 2],
     /// Whether the last stroke of the pen ends at the position.
     is_open: bool,
-    points: usize,
+    /// Quarter turns of the axes by RO, counter-clockwise.
+    turns: u8,
+    /// Those under which the first line was drawn.
+    turns_drawn: Option<u8>,
+    budget: Budget,
     notes: Vec<Warning>,
 }
 
@@ -90,7 +95,9 @@ impl Plot {
             scale: [UNIT; 2],
             zero: [0.0; 2],
             is_open: false,
-            points: 0,
+            turns: 0,
+            turns_drawn: None,
+            budget: Budget::points(),
             notes: Vec::new(),
         }
     }
@@ -102,6 +109,7 @@ impl Plot {
                 self.lift();
                 (self.relative, self.corners) = (false, None);
                 (self.scale, self.zero) = ([UNIT; 2], [0.0; 2]);
+                self.turns = 0;
                 if command.name == "IN" {
                     self.at = [0.0; 2];
                 }
@@ -129,25 +137,37 @@ impl Plot {
             }
             ("AA", &[x, y, angle] | &[x, y, angle, _]) => self.arc([x, y], angle, self.is_down)?,
             ("AR", &[x, y, angle] | &[x, y, angle, _]) => {
-                self.arc([self.at[0] + x, self.at[1] + y], angle, self.is_down)?;
+                self.arc(self.behind([x, y]), angle, self.is_down)?;
+            }
+            ("AT", &[x1, y1, x2, y2] | &[x1, y1, x2, y2, _]) => {
+                self.arc_through([x1, y1], [x2, y2])?;
+            }
+            ("RT", &[x1, y1, x2, y2] | &[x1, y1, x2, y2, _]) => {
+                self.arc_through(self.behind([x1, y1]), self.behind([x2, y2]))?;
+            }
+            ("EW", &[radius, start, sweep] | &[radius, start, sweep, _]) => {
+                self.wedge(radius, start, sweep)?;
+            }
+            ("BZ" | "BR", numbers) if numbers.len().is_multiple_of(6) && !numbers.is_empty() => {
+                self.curves(numbers, command.name == "BR")?;
             }
             ("EA", &[x, y]) => self.rectangle([x, y])?,
-            ("ER", &[x, y]) => self.rectangle([self.at[0] + x, self.at[1] + y])?,
+            ("ER", &[x, y]) => self.rectangle(self.behind([x, y]))?,
             ("IP", &[x1, y1, x2, y2]) => self.corners = Some([x1, y1, x2, y2]),
             ("IP", []) => self.corners = None,
             ("SC", []) => self.rescale([UNIT; 2], [0.0; 2])?,
             ("SC", &[left, right, low, high] | &[left, right, low, high, 0.0]) => {
                 self.scaled([left, right], [low, high])?;
             }
-            ("RO", [] | [0.0]) | ("IW", []) => {}
-            ("LT", []) => {}
+            ("RO", []) => self.turn(0.0)?,
+            ("RO", &[angle]) => self.turn(angle)?,
+            ("IW" | "LT", []) => {}
             ("LT", _) => self.note("dashed lines are drawn whole"),
             ("LB", _) => self.note("labels of LB are left out: convert them to lines"),
-            ("FP" | "RA" | "RR", _) => self.note("fills are left out"),
+            ("FP" | "RA" | "RR" | "WG", _) => self.note("fills are left out"),
             ("IW", _) => self.note("the window of IW does not cut the lines"),
-            ("RO", _) => return Err("turn the plot when it is exported, or with --rotate".into()),
             (name, _) if is_in(WITHOUT_LINES, name) => {}
-            ("CI" | "AA" | "AR" | "EA" | "ER" | "IP" | "SC", _) => {
+            (name, _) if is_in(WITH_NUMBERS, name) => {
                 return Err(format!("{} numbers do not suit it", numbers.len()));
             }
             (name, _) if is_in(REFUSED, name) => {
@@ -169,6 +189,27 @@ impl Plot {
         self.lift();
         self.pen = Some(pen as u8).filter(|&pen| pen > 0);
         Ok(())
+    }
+
+    /// Turns the axes. What was drawn under other axes would have to be moved as the plotter moves its zero,
+    /// which differs from plotter to plotter.
+    fn turn(&mut self, angle: f64) -> Result<(), String> {
+        let turns = angle / 90.0;
+        if !(0.0..=3.0).contains(&turns) || turns.fract() != 0.0 {
+            return Err("a plot is turned by 0, 90, 180 or 270 degrees".into());
+        }
+        if turns > 0.0 {
+            self.note("the plot is turned by RO");
+        }
+        let place = self.placed(self.at)?;
+        self.turns = turns as u8;
+        self.at = self.unplaced(place);
+        Ok(())
+    }
+
+    /// A position that is given from the present one.
+    fn behind(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.at[0] + x, self.at[1] + y]
     }
 
     fn lift(&mut self) {
@@ -193,12 +234,10 @@ impl Plot {
         let Some(number) = self.pen.filter(|_| draws) else {
             return Ok(());
         };
-        self.points += 1;
-        if self.points > MOST_POINTS {
-            return Err(format!(
-                "the plot has more than {MOST_POINTS} points: simplify it"
-            ));
+        if *self.turns_drawn.get_or_insert(self.turns) != self.turns {
+            return Err("RO turns the plot after lines were drawn: export it unturned".into());
         }
+        self.budget.take(1)?;
         let known = self.pens.iter().position(|pen| pen.number == number);
         let index = known.unwrap_or(self.pens.len());
         if known.is_none() {
@@ -211,34 +250,6 @@ impl Plot {
             None => pen.strokes.push(vec![start, end]),
         }
         self.is_open = true;
-        Ok(())
-    }
-
-    /// An arc by an angle [degrees], counter-clockwise, as lines.
-    fn arc(&mut self, middle: [f64; 2], angle: f64, draws: bool) -> Result<(), String> {
-        let [x, y] = [self.at[0] - middle[0], self.at[1] - middle[1]];
-        let metres = x.hypot(y) * self.scale[0].abs().max(self.scale[1].abs());
-        within_reach(metres).map_err(|error| error.to_string())?;
-        let sweep = angle.clamp(-360.0, 360.0) / 360.0 * TAU;
-        // The sagitta of a chord over 2a is r (1 − cos a) ≤ r a²/2.
-        let half = (2.0 * self.tolerance / metres.max(self.tolerance)).sqrt();
-        let count = (sweep.abs() / (2.0 * half)).ceil().max(8.0);
-        for step in 1..=count as u32 {
-            let (sin, cos) = (sweep * f64::from(step) / count).sin_cos();
-            let to = [middle[0] + cos * x - sin * y, middle[1] + sin * x + cos * y];
-            self.line(to, draws)?;
-        }
-        Ok(())
-    }
-
-    /// A rectangle from the position to the opposite corner. The pen goes back to where it was.
-    fn rectangle(&mut self, [x, y]: [f64; 2]) -> Result<(), String> {
-        let [left, low] = self.at;
-        self.is_open = false;
-        for to in [[x, low], [x, y], [left, y], [left, low]] {
-            self.line(to, true)?;
-        }
-        self.is_open = false;
         Ok(())
     }
 
@@ -259,7 +270,7 @@ impl Plot {
     fn rescale(&mut self, scale: [f64; 2], zero: [f64; 2]) -> Result<(), String> {
         let place = self.placed(self.at)?;
         (self.scale, self.zero) = (scale, zero);
-        self.at = [0, 1].map(|axis| (place[axis] - zero[axis]) / scale[axis]);
+        self.at = self.unplaced(place);
         Ok(())
     }
 
@@ -269,16 +280,27 @@ impl Plot {
             within_reach(self.zero[axis] + self.scale[axis] * at[axis])
                 .map_err(|error| error.to_string())
         });
-        Ok([x?, y?])
+        Ok(turned([x?, y?], self.turns))
+    }
+
+    /// The position that [`Self::placed`] takes to a place [m].
+    fn unplaced(&self, place: [f64; 2]) -> [f64; 2] {
+        let place = turned(place, 4 - self.turns);
+        [0, 1].map(|axis| (place[axis] - self.zero[axis]) / self.scale[axis])
     }
 
     fn note(&mut self, what: &'static str) {
-        let kind = WarningKind::Drawing(what);
+        let kind = WarningKind::Drawing(what.into());
         match self.notes.iter_mut().find(|note| note.kind == kind) {
             Some(same) => same.count += 1,
             None => self.notes.push(Warning::at(0, kind)),
         }
     }
+}
+
+/// A point after quarter turns about (0, 0), counter-clockwise.
+fn turned(point: [f64; 2], turns: u8) -> [f64; 2] {
+    (0..turns).fold(point, |[x, y], _| [-y, x])
 }
 
 fn is_in(list: &str, name: &str) -> bool {

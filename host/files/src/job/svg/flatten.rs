@@ -4,36 +4,35 @@
 //! cubic, |B″| ≤ 6 max(|P0 − 2 P1 + P2|, |P1 − 2 P2 + P3|); for a quadratic, B″ = 2 (P0 − 2 P1 + P2).
 //! So many equal intervals are taken that this bound is the tolerance.
 
+use crate::budget::{Budget, OverBudget};
 use usvg::tiny_skia_path::{PathSegment, Point as PathPoint};
-
-/// Most points of a drawing.
-const MOST_POINTS: usize = 1_000_000;
 
 type Point = [f64; 2];
 
 pub(super) struct Flattener {
     /// Greatest distance of a line from its curve [px].
     tolerance: f64,
-    points: usize,
+    budget: Budget,
 }
 
 impl Flattener {
     pub(super) fn new(tolerance: f64) -> Self {
         Self {
             tolerance,
-            points: 0,
+            budget: Budget::points(),
         }
     }
 
-    /// The polylines of a path, by `place` on the page [px]. None if there are too many points.
+    /// The polylines of a path, by `place` on the page [px].
     pub(super) fn strokes(
         &mut self,
         segments: impl Iterator<Item = PathSegment>,
         place: impl Fn(PathPoint) -> Point,
-    ) -> Option<Vec<Vec<Point>>> {
+    ) -> Result<Vec<Vec<Point>>, OverBudget> {
         let mut strokes: Vec<Vec<Point>> = Vec::new();
         let mut start = [0.0; 2];
         for segment in segments {
+            self.budget.take(1)?;
             if let PathSegment::MoveTo(to) = segment {
                 start = place(to);
                 strokes.push(vec![start]);
@@ -78,20 +77,15 @@ impl Flattener {
                     strokes.push(vec![start]);
                 }
             }
-            self.points += 1;
         }
         strokes.retain(|stroke| stroke.iter().any(|point| *point != stroke[0]));
-        (self.points <= MOST_POINTS).then_some(strokes)
+        Ok(strokes)
     }
 
     /// The intervals of a curve with |B″| up to `bend` [px].
-    fn intervals(&mut self, bend: f64) -> Option<usize> {
-        let count = (bend / (8.0 * self.tolerance)).sqrt().ceil().max(1.0);
-        if count.is_nan() || count > MOST_POINTS as f64 {
-            return None;
-        }
-        self.points += count as usize;
-        (self.points <= MOST_POINTS).then_some(count as usize)
+    fn intervals(&mut self, bend: f64) -> Result<usize, OverBudget> {
+        let count = (bend / (8.0 * self.tolerance)).sqrt();
+        Ok(self.budget.take_calculated(count)?.max(1))
     }
 }
 

@@ -7,16 +7,19 @@
 
 mod flatten;
 mod hatch;
+mod markup;
+mod outlines;
 mod pens;
 mod size;
 
 use super::drawing::{self, Stroke};
 use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
+use crate::budget::{MOST_NODES, OverBudget};
 use flatten::Flattener;
 use hatch::Hatch;
 use pens::Pens;
 use std::sync::Arc;
-use usvg::{Group, Node, Options, Transform, Tree};
+use usvg::{Group, Node, Options, Transform};
 
 /// Metres per pixel: an inch has 96 pixels in SVG.
 const PIXEL: f64 = 25.4e-3 / 96.0;
@@ -42,34 +45,40 @@ pub(super) fn interpret(
 }
 
 fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job, JobError> {
-    let unread = |error: usvg::Error| {
-        JobError::Drawing(format!("the file is no SVG that can be read: {error}"))
-    };
+    if let Some(reason) = markup::refusal(text) {
+        return Err(JobError::Drawing(reason));
+    }
     let parsing = usvg::roxmltree::ParsingOptions {
         allow_dtd: true,
+        nodes_limit: MOST_NODES,
         ..Default::default()
     };
     let document = usvg::roxmltree::Document::parse_with_options(text, parsing)
-        .map_err(|error| unread(usvg::Error::ParsingFailed(error)))?;
+        .map_err(|error| unread(&usvg::Error::ParsingFailed(error)))?;
     if let Some(reason) = size::refusal(&document) {
         return Err(JobError::Drawing(reason));
     }
-    let tree = Tree::from_xmltree(&document, &reading()).map_err(unread)?;
+    let tree = outlines::tree(&document)?;
     let mut reader = Reader {
         height: f64::from(tree.size().height()),
         flattener: Flattener::new(options.tolerance / PIXEL),
         hatch: options.hatch.map(Hatch::new),
         pens: Pens::new(&document),
+        is_covered: false,
         notes: Vec::new(),
     };
     if text.contains("<image") {
         reader.note("images are left out: a tool draws lines only");
     }
     reader.group(tree.root())?;
+    let hatch = reader.hatch.take().into_iter();
+    for (fill, line) in hatch.flat_map(Hatch::into_lines) {
+        reader.pens.add_line(fill, line);
+    }
     let (pens, has_many_colours) = reader.pens.into_pens();
     if has_many_colours {
-        let kind =
-            WarningKind::Drawing("the lines have more colours than pens: all are drawn with one");
+        let what = "the lines have more colours than pens: all are drawn with one";
+        let kind = WarningKind::Drawing(what.into());
         reader.notes.push(Warning::at(0, kind));
     }
     let job = drawing::job(pens, reader.notes, placement, options)?;
@@ -101,24 +110,27 @@ struct Reader {
     flattener: Flattener,
     hatch: Option<Hatch>,
     pens: Pens,
+    /// Whether a group around the present one is transparent, or is cut by a clip or a mask.
+    is_covered: bool,
     notes: Vec<Warning>,
 }
 
 impl Reader {
     fn group(&mut self, group: &Group) -> Result<(), JobError> {
-        if group.clip_path().is_some() || group.mask().is_some() {
+        let is_cut = group.clip_path().is_some() || group.mask().is_some();
+        if is_cut {
             self.note("clips and masks do not cut the lines");
         }
         if group.opacity().get() == 0.0 {
             return Ok(());
         }
+        let was_covered = self.is_covered;
+        self.is_covered |= is_cut || group.opacity().get() < 1.0;
         let outside = self.pens.enter(group.id());
         for node in group.children() {
             match node {
                 Node::Group(group) => self.group(group)?,
-                Node::Path(path) if is_seen(path) && !self.is_left_white(path) => {
-                    self.path(path)?;
-                }
+                Node::Path(path) if is_seen(path) => self.path(path)?,
                 Node::Text(text) => {
                     self.note("texts are drawn as outlines of DejaVu Sans");
                     let spans = text.layouted().iter();
@@ -137,6 +149,7 @@ impl Reader {
             }
         }
         self.pens.leave(outside);
+        self.is_covered = was_covered;
         Ok(())
     }
 
@@ -159,23 +172,24 @@ impl Reader {
             [sx * x + kx * y + tx, height - (ky * x + sy * y + ty)]
         };
         let strokes = self.flattener.strokes(path.data().segments(), place);
-        let strokes = strokes.ok_or_else(|| {
-            let reason = "the SVG has too many points; simplify it, or scale it down";
-            JobError::Drawing(reason.into())
-        })?;
+        let strokes = strokes.map_err(too_large)?;
         let metres = |point: [f64; 2]| point.map(|pixels| pixels * PIXEL);
         let strokes: Vec<Stroke> = strokes
             .into_iter()
             .map(|it| it.into_iter().map(metres).collect())
             .collect();
-        if let (Some(hatch), Some(fill)) = (&mut self.hatch, path.fill().filter(|it| is_ink(it))) {
-            let lines = hatch.lines(&strokes, fill.rule()).ok_or_else(|| {
-                let reason = "the hatch has too many lines: choose a greater --hatch";
-                JobError::Drawing(reason.into())
-            })?;
-            self.pens.add_fill(fill, lines);
+        if let (Some(hatch), Some(fill)) = (&mut self.hatch, path.fill()) {
+            let number = is_ink(fill).then(|| self.pens.of_fill(fill));
+            let is_opaque = fill.opacity().get() == 1.0
+                && !self.is_covered
+                && !matches!(fill.paint(), usvg::Paint::Pattern(_));
+            hatch
+                .fill(&strokes, fill.rule(), number, is_opaque)
+                .map_err(too_large)?;
         }
-        self.pens.add(path, strokes);
+        if !self.is_left_white(path) {
+            self.pens.add(path, strokes);
+        }
         Ok(())
     }
 
@@ -186,12 +200,20 @@ impl Reader {
     }
 
     fn note(&mut self, what: &'static str) {
-        let kind = WarningKind::Drawing(what);
+        let kind = WarningKind::Drawing(what.into());
         match self.notes.iter_mut().find(|note| note.kind == kind) {
             Some(same) => same.count += 1,
             None => self.notes.push(Warning::at(0, kind)),
         }
     }
+}
+
+fn unread(error: &usvg::Error) -> JobError {
+    JobError::Drawing(format!("the file is no SVG that can be read: {error}"))
+}
+
+fn too_large(over: OverBudget) -> JobError {
+    JobError::Drawing(format!("the SVG is too large: {over}"))
 }
 
 /// Whether a fill is seen on white paper.

@@ -1,7 +1,7 @@
 //! The pens of an SVG: its layers as Inkscape has them, or else the colours of its lines.
 
 use super::super::drawing::{Pen, Stroke};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use usvg::Paint;
 use usvg::roxmltree::Document;
 
@@ -10,7 +10,7 @@ const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
 const MOST_COLOURS: usize = 12;
 
 /// What a stroke is drawn with, as the file has it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Ink {
     layer: Option<String>,
     /// None: a gradient or a pattern.
@@ -24,6 +24,8 @@ pub(super) struct Pens {
     names: BTreeMap<String, String>,
     layer: Option<String>,
     parts: Vec<(Ink, Vec<Stroke>)>,
+    /// The numbers of the parts.
+    part_of: BTreeMap<Ink, usize>,
 }
 
 impl Pens {
@@ -40,6 +42,7 @@ impl Pens {
             names: names.collect(),
             layer: None,
             parts: Vec::new(),
+            part_of: BTreeMap::new(),
         }
     }
 
@@ -64,12 +67,19 @@ impl Pens {
         self.add_ink(paint, line.is_some(), strokes);
     }
 
-    /// Adds the lines that fill a shape.
-    pub(super) fn add_fill(&mut self, fill: &usvg::Fill, lines: Vec<Stroke>) {
-        self.add_ink(Some(fill.paint()), true, lines);
+    /// The number of what draws the lines that fill a shape, for [`Self::add_line`].
+    pub(super) fn of_fill(&mut self, fill: &usvg::Fill) -> usize {
+        self.add_ink(Some(fill.paint()), true, Vec::new())
     }
 
-    fn add_ink(&mut self, paint: Option<&Paint>, is_line: bool, strokes: Vec<Stroke>) {
+    /// Adds a line that fills a shape.
+    pub(super) fn add_line(&mut self, number: usize, line: Stroke) {
+        if let Some((_, lines)) = self.parts.get_mut(number) {
+            lines.push(line);
+        }
+    }
+
+    fn add_ink(&mut self, paint: Option<&Paint>, is_line: bool, strokes: Vec<Stroke>) -> usize {
         let ink = Ink {
             layer: self.layer.clone(),
             colour: match paint {
@@ -78,10 +88,13 @@ impl Pens {
             },
             is_line,
         };
-        match self.parts.iter_mut().find(|(other, _)| *other == ink) {
-            Some((_, same)) => same.extend(strokes),
-            None => self.parts.push((ink, strokes)),
+        if let Some(&same) = self.part_of.get(&ink) {
+            self.parts[same].1.extend(strokes);
+            return same;
         }
+        self.part_of.insert(ink.clone(), self.parts.len());
+        self.parts.push((ink, strokes));
+        self.parts.len() - 1
     }
 
     /// The pens in the order of the file, and whether their colours are too many for pens.
@@ -104,21 +117,18 @@ impl Pens {
     }
 
     /// How many different values there are.
-    fn count<'a, T: PartialEq>(&'a self, value: impl Fn(&'a Ink) -> Option<T>) -> usize {
-        let mut seen: Vec<T> = Vec::new();
-        for value in self.parts.iter().filter_map(|(ink, _)| value(ink)) {
-            if !seen.contains(&value) {
-                seen.push(value);
-            }
-        }
-        seen.len()
+    fn count<'a, T: Ord>(&'a self, value: impl Fn(&'a Ink) -> Option<T>) -> usize {
+        let values = self.parts.iter().filter_map(|(ink, _)| value(ink));
+        values.collect::<BTreeSet<T>>().len()
     }
 
     fn by(self, name: impl Fn(&Ink) -> String) -> Vec<Pen> {
         let mut pens: Vec<Pen> = Vec::new();
+        let mut pen_of: BTreeMap<String, usize> = BTreeMap::new();
         for (ink, strokes) in self.parts {
             let name = name(&ink);
-            match pens.iter_mut().find(|pen| pen.name == name) {
+            let pen = *pen_of.entry(name.clone()).or_insert(pens.len());
+            match pens.get_mut(pen) {
                 Some(pen) => pen.strokes.extend(strokes),
                 None => pens.push(Pen { name, strokes }),
             }

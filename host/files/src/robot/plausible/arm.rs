@@ -1,8 +1,8 @@
 //! Lengths, masses, inertias and the weight that they have.
 
 use super::{Plausible, longest, reach};
+use crate::refusal::Key;
 use crate::robot::Robot;
-use crate::source::Key;
 
 /// Strongest gravity in the plane of an arm [m/s²]: Earth's and a half.
 const GRAVITY: f64 = 15.0;

@@ -1,8 +1,9 @@
 //! Motors, gears, brakes and encoders, and the monitors that protect them.
 
 use super::Plausible;
-use crate::robot::{Actuator, CanTorque, HobbyServo, Robot};
-use crate::source::Key;
+use crate::refusal::Key;
+use crate::robot::{Actuator, CanTorque, Drive, HobbyServo, Robot};
+use fivebar_firmware::drives::can::Protocol;
 use fivebar_firmware::settings::AxisField;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::Harmonic;
@@ -25,6 +26,17 @@ const NO_LOAD: [f64; 2] = [500.0, 0.2];
 
 /// The greatest speed of a drive on a bus over the one that its joint needs.
 const SPEED: [f64; 2] = [1.0, 100.0];
+
+/// Steps of an MIT-type drive's frames, of a position and of a velocity or torque.
+const POSITION_STEPS: f64 = 65_535.0;
+const OTHER_STEPS: f64 = 4095.0;
+
+/// The greatest step of a position over the following error, and that of a velocity or torque over the drive's greatest.
+const POSITION_STEP: f64 = 0.1;
+const OTHER_STEP: f64 = 0.01;
+
+/// Voltages of hobby servos, whose electronics are rated for 4.8 to 6 V, and to 8.4 V for two cells of lithium [V].
+const SERVO_SUPPLY: [f64; 2] = [4.0, 8.5];
 
 /// Stall torques of hobby servos [N·m].
 const STALL: [f64; 2] = [0.005, 15.0];
@@ -73,10 +85,10 @@ fn joint_rules(robot: &Robot, joint: Joint, motor: &Actuator) -> Vec<Plausible> 
     let voltage = robot.supply.voltage;
     let peak_torque = motor.peak_torque();
     let stall = voltage / motor.resistance;
-    let mut rules = match (&motor.can, &motor.hobby_servo) {
-        (Some(drive), _) => torque_drive(robot, joint, motor, drive),
-        (None, Some(servo)) => hobby_servo(robot, joint, motor, servo),
-        (None, None) => electrics(robot, joint, motor, stall),
+    let mut rules = match &motor.drive {
+        Drive::CanTorque(drive) => torque_drive(robot, joint, motor, drive),
+        Drive::HobbyServo(servo) => hobby_servo(robot, joint, motor, servo),
+        Drive::Brushed | Drive::Stepper(_) => electrics(robot, joint, motor, stall),
     };
     rules.push(rotor(joint, motor));
     rules.extend([
@@ -184,6 +196,29 @@ fn torque_drive(
             "without load the supply's voltage turns the motor at 1/5 to 500 times its `max_speed`",
         ));
     }
+    if let Protocol::Mit(ranges) = drive.protocol {
+        let error = robot.protection.following_error * motor.gear_ratio.abs();
+        rules.extend([
+            Plausible::new(
+                key("position_range"),
+                (ranges.position.into(), "rad"),
+                [0.0, 0.5 * POSITION_STEPS * POSITION_STEP * error],
+                "a frame holds 65536 positions, and a step must be 1/10 of the `following_error` of [protection] at most",
+            ),
+            Plausible::new(
+                key("velocity_range"),
+                (ranges.velocity.into(), "rad/s"),
+                [0.0, 0.5 * OTHER_STEPS * OTHER_STEP * drive.max_speed],
+                "a frame holds 4096 velocities, and a step must be 1/100 of the drive's `max_speed` at most",
+            ),
+            Plausible::new(
+                key("torque_range"),
+                (ranges.torque.into(), "N·m"),
+                [0.0, 0.5 * OTHER_STEPS * OTHER_STEP * drive.peak_torque],
+                "a frame holds 4096 torques, and a step must be 1/100 of the drive's `peak_torque` at most",
+            ),
+        ]);
+    }
     rules.extend([
         Plausible::new(
             key("continuous_torque"),
@@ -201,42 +236,35 @@ fn torque_drive(
     rules
 }
 
-/// The inertia of a rotor.
+/// The inertia of a rotor; a robot without `[[actuator]]` has none.
 fn rotor(joint: Joint, motor: &Actuator) -> Plausible {
-    let key = |name| Key::Of("actuator", joint.index(), name);
-    let braking = motor.torque_constant.powi(2) / motor.resistance;
-    if let Some(servo) = &motor.hobby_servo {
-        return Plausible::new(
-            key("rotor_inertia"),
-            (motor.rotor_inertia, "kg·m²"),
-            MECHANICAL.map(|seconds| seconds * servo.stall_torque / servo.max_speed),
-            "the mechanical time constant, times `max_speed` over `stall_torque`, is 5e-5 to 1 s",
-        );
-    }
-    match (&motor.stepper, &motor.can) {
-        (None, None) => Plausible::new(
-            key("rotor_inertia"),
-            (motor.rotor_inertia, "kg·m²"),
-            MECHANICAL.map(|seconds| seconds * braking),
-            "the mechanical time constant, times `resistance` over the square of `torque_constant`, is \
-             5e-5 to 1 s",
-        )
-        .or_zero(),
-        (None, Some(drive)) => Plausible::new(
-            key("rotor_inertia"),
-            (motor.rotor_inertia, "kg·m²"),
-            ROTOR.map(|acceleration| drive.peak_torque / acceleration),
-            "the `peak_torque` accelerates the rotor alone by 300 to 1e6 rad/s²",
-        )
-        .or_zero(),
-        (Some(stepper), _) => {
-            Plausible::new(
-                key("rotor_inertia"),
-                (motor.rotor_inertia, "kg·m²"),
-                NATURAL.map(|hertz| stepper.motor.inertia_at(hertz)),
-                "the rotor alone swings at 20 to 2000 Hz about a step of the `holding_torque`",
+    let (range, meaning) = match &motor.drive {
+        Drive::Brushed => {
+            let braking = motor.torque_constant.powi(2) / motor.resistance;
+            (
+                MECHANICAL.map(|seconds| seconds * braking),
+                "the mechanical time constant, times `resistance` over the square of `torque_constant`, is \
+                 5e-5 to 1 s",
             )
         }
+        Drive::Stepper(stepper) => (
+            NATURAL.map(|hertz| stepper.motor.inertia_at(hertz)),
+            "the rotor alone swings at 20 to 2000 Hz about a step of the `holding_torque`",
+        ),
+        Drive::CanTorque(CanTorque { peak_torque, .. }) => (
+            ROTOR.map(|acceleration| peak_torque / acceleration),
+            "the `peak_torque` accelerates the rotor alone by 300 to 1e6 rad/s²",
+        ),
+        Drive::HobbyServo(servo) => (
+            MECHANICAL.map(|seconds| seconds * servo.stall_torque / servo.max_speed),
+            "the mechanical time constant, times `max_speed` over `stall_torque`, is 5e-5 to 1 s",
+        ),
+    };
+    let key = Key::Of("actuator", joint.index(), "rotor_inertia");
+    let rule = Plausible::new(key, (motor.rotor_inertia, "kg·m²"), range, meaning);
+    match &motor.drive {
+        Drive::Brushed | Drive::CanTorque(_) => rule.or_zero(),
+        Drive::Stepper(_) | Drive::HobbyServo(_) => rule,
     }
 }
 
@@ -261,6 +289,12 @@ fn hobby_servo(
             (servo.stall_torque, "N·m"),
             STALL,
             "from the smallest servo, of 2 g, to a large one; 1 kgf·cm is 0.098 N·m",
+        ),
+        Plausible::new(
+            Key::In("supply", "voltage"),
+            (robot.supply.voltage, "V"),
+            SERVO_SUPPLY,
+            "the electronics in a hobby servo are rated for 4.8 to 8.4 V",
         ),
     ]
 }

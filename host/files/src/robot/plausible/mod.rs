@@ -13,7 +13,8 @@ mod slider;
 
 use super::Robot;
 use super::value::rounded;
-use crate::source::{FileError, Key, Refusals, Source};
+use crate::refusal::{Key, Refusal, Refusals};
+use crate::source::Source;
 use fivebar_design::accuracy::slider::SliderTolerance;
 use fivebar_design::slider::Travel;
 
@@ -70,7 +71,7 @@ impl Plausible {
     }
 
     /// Refuses a value outside its range. A default is refused only where a written value decides its range.
-    fn check(&self, source: &Source<'_>) -> Result<(), FileError> {
+    fn check(&self, source: &Source<'_>) -> Result<(), Refusal> {
         let mut written = [Some(self.key), self.decisive].into_iter().flatten();
         let Some(written) = written.find(|key| source.holds(*key)) else {
             return Ok(());
@@ -103,17 +104,16 @@ impl Plausible {
         let reason = format!(
             "must be {bounds}: {reason}; not {value:?}{unit}{default}: is one of these values in another unit?"
         );
-        let line = source.line_of(written);
-        Err(FileError {
-            line,
-            ..source.refuse(self.key, reason)
+        Err(Refusal {
+            line_of: Some(written.into()),
+            ..self.key.refused(reason)
         })
     }
 }
 
 /// Refuses each value that is not plausible. Values of one link or one actuator are compared with each
 /// other, so the first of them is refused alone.
-pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
+pub(super) fn check_sizes(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals) {
     let arm = arm::rules(robot);
     let rules = arm
         .into_iter()
@@ -126,18 +126,18 @@ pub(super) fn check(source: &Source<'_>, robot: &Robot, refusals: &mut Refusals)
             key => refusals.has(key),
         };
         if !is_refused {
-            refusals.check(rule.check(source));
+            refusals.note(rule.check(source));
         }
     }
 }
 
 /// Refuses the first value of a slider-driven mechanism that is not plausible: left link, right link and platform [m], travel and tolerances.
-pub(super) fn slider(
+pub(super) fn check_slider(
     source: &Source<'_>,
     lengths: [f64; 3],
     travel: Option<&Travel<f64>>,
     tolerance: &SliderTolerance,
-) -> Result<(), FileError> {
+) -> Result<(), Refusal> {
     let rules = slider::rules(lengths, travel, tolerance);
     rules.into_iter().try_for_each(|rule| rule.check(source))
 }

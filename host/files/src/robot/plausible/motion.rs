@@ -2,8 +2,8 @@
 //! can do.
 
 use super::{Plausible, reach};
+use crate::refusal::Key;
 use crate::robot::Robot;
-use crate::source::Key;
 use std::f64::consts::TAU;
 
 /// The speed of C at full reach and the joint's greatest speed, over the tool's greatest speed.
@@ -122,7 +122,6 @@ fn of_loops(robot: &Robot) -> [Plausible; 7] {
         control,
         supply,
         protection,
-        homing,
         ..
     } = robot;
     [
@@ -164,7 +163,7 @@ fn of_loops(robot: &Robot) -> [Plausible; 7] {
         ),
         Plausible::new(
             Key::In("homing", "back_off"),
-            (homing.back_off, "rad"),
+            (robot.back_off(), "rad"),
             BACK_OFF,
             "a joint must leave the hysteresis of its switch",
         ),

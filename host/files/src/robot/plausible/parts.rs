@@ -1,8 +1,8 @@
 //! Tolerances of the parts, material of the pins, drag of a crossing.
 
 use super::{Plausible, reach, shortest};
+use crate::refusal::Key;
 use crate::robot::Robot;
-use crate::source::Key;
 
 /// Tolerances and clearances, as shares of the shortest length.
 pub(super) const LENGTH: f64 = 0.05;

@@ -2,8 +2,8 @@
 
 use super::Plausible;
 use super::parts::{CLEARANCE, LENGTH};
+use crate::refusal::Key;
 use crate::robot::value::{LONGEST, SHORTEST};
-use crate::source::Key;
 use fivebar_design::accuracy::slider::SliderTolerance;
 use fivebar_design::slider::Travel;
 

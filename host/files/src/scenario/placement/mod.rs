@@ -11,6 +11,7 @@
 mod fit;
 mod outline;
 mod refusal;
+mod trials;
 
 use super::{ModeChangeError, RefusedModeChange, Scenario, ScenarioError};
 use crate::job::{Job, Placement};
@@ -22,6 +23,7 @@ use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use outline::Outline;
 use std::f64::consts::TAU;
+use trials::Trials;
 
 pub use fit::{FitError, Kept};
 pub use refusal::place_in_job;
@@ -136,11 +138,12 @@ impl Scenario {
         let (Some(unplaced), Some(reach)) = (unplaced, Reach::of(&self.robot)) else {
             return Ok(job);
         };
+        let mut trials = Trials::new(planner);
         for unplaced in [Some(&unplaced), unplaced.without_parking().as_ref()] {
             let Some(unplaced) = unplaced else { continue };
-            if let Some(origin) = self.search(&reach, &mut planner, unplaced) {
+            if let Some(origin) = self.search(&reach, &mut trials, unplaced) {
                 let job = self.moved_or_read(unplaced, origin)?;
-                return Ok(match self.accepts(&mut planner, &job) {
+                return Ok(match self.accepts(&mut trials.planner, &job) {
                     true => job,
                     false => job.without_parking().unwrap_or(job),
                 });
@@ -164,7 +167,7 @@ impl Scenario {
     }
 
     /// An origin at which the planner accepts the job; `unplaced` has its origin at 0.
-    fn search(&self, reach: &Reach, planner: &mut Planner, unplaced: &Job) -> Option<[f64; 2]> {
+    fn search(&self, reach: &Reach, trials: &mut Trials, unplaced: &Job) -> Option<[f64; 2]> {
         let outline = Outline::of(unplaced);
         let extent = outline.extent();
         let (middle, page) = (extent.middle(), reach.page_middle());
@@ -173,10 +176,7 @@ impl Scenario {
         if !self.anywhere && longer(extent.size()) > longer(reach.page_size()) {
             return None;
         }
-        let mut fits = |origin: [f64; 2]| {
-            let job = self.moved(unplaced, self, origin);
-            job.is_some_and(|job| self.accepts_strokes(planner, &job))
-        };
+        let mut fits = |origin| trials.accept(self, unplaced, origin);
         if fits(on_page) {
             return Some(on_page);
         }
@@ -235,14 +235,6 @@ impl Scenario {
         self.verify(planner, job).is_ok()
     }
 
-    /// Whether the arm can draw the job, with or without the travel after its last stroke.
-    fn accepts_strokes(&self, planner: &mut Planner, job: &Job) -> bool {
-        self.accepts(planner, job)
-            || job
-                .without_parking()
-                .is_some_and(|job| self.accepts(planner, &job))
-    }
-
     /// Checks the moves of the job from home on.
     ///
     /// # Errors
@@ -252,7 +244,8 @@ impl Scenario {
             return Ok(());
         };
         let moves = self.moves_from_home(planner, job)?;
-        Ok(planner.check_all(tool, &moves)?)
+        let joints = self.robot.home.map(|angle| angle as f32);
+        Ok(planner.check_all_from(tool, Some(joints), &moves)?)
     }
 
     /// The job as moves for the planner, wherever the arm is before them, in the robot's working mode.

@@ -7,6 +7,9 @@ use std::collections::BTreeSet;
 /// Points along the longer side of a drawing.
 const RESOLUTION: f64 = 400.0;
 
+/// Points after which they are thinned: the cells of a grid of the resolution, and as many again.
+const MOST_UNTHINNED: usize = 400_000;
+
 /// Points along a drawing, close to each other, in the job's frame [m].
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
@@ -63,6 +66,9 @@ impl Outline {
             if step.draws() || !draws {
                 let from = at.unwrap_or(end);
                 sample(from, &step.action, spacing, &mut points);
+                if points.len() > MOST_UNTHINNED {
+                    points = thinned(points, spacing);
+                }
             }
             at = Some(end);
         }
@@ -106,10 +112,17 @@ fn thinned(mut points: Vec<[f64; 2]>, size: f64) -> Vec<[f64; 2]> {
         return points;
     };
     let mut cells = BTreeSet::new();
+    // One point is enough on each side of the extent.
+    let mut sides = [[false; 2]; 2];
     points.retain(|point| {
-        let is_extreme = (0..2).any(|axis| point[axis] == low[axis] || point[axis] == high[axis]);
+        let mut is_first = false;
+        for axis in 0..2 {
+            for (seen, side) in sides[axis].iter_mut().zip([low[axis], high[axis]]) {
+                is_first |= point[axis] == side && !std::mem::replace(seen, true);
+            }
+        }
         let cell = point.map(|coordinate| (coordinate / size) as i64);
-        cells.insert(cell) || is_extreme
+        cells.insert(cell) || is_first
     });
     points
 }

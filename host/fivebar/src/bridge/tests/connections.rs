@@ -5,6 +5,7 @@ use crate::bridge::connection::{Connections, Event, Outlet, Presence, desk, list
 use crate::bridge::{BridgeOptions, bridge, log_of};
 use crate::senders::Endpoints;
 use crate::test_session;
+use fivebar_sim::clock::Clock;
 use fivebar_sim::controller::ControllerSource;
 use std::cell::RefCell;
 use std::io::{self, BufRead as _, BufReader, ErrorKind};
@@ -15,8 +16,8 @@ use std::thread;
 
 /// Why a connection ends whose reads give this, then the end.
 fn ends(mut reads: Vec<io::Result<usize>>) -> String {
-    let (desk, _connections) = desk(None);
-    let presence = Presence::new("a test".into());
+    let (desk, _connections) = desk(None, Clock::simulated());
+    let presence = Presence::new("a test".into(), &Clock::simulated());
     reads.reverse();
     desk.pass_on(&presence, desk.guarded_gate(), |bytes| {
         bytes.fill(b'\n');
@@ -50,7 +51,11 @@ fn outlet(works: bool) -> (Outlet, Arc<Mutex<String>>, Arc<AtomicUsize>) {
         ends.fetch_add(1, Ordering::SeqCst);
     };
     (
-        Outlet::start(Presence::new("a test".into()), write, close),
+        Outlet::start(
+            Presence::new("a test".into(), &Clock::simulated()),
+            write,
+            close,
+        ),
         text,
         closed,
     )
@@ -88,9 +93,13 @@ fn a_sender_that_reads_nothing_is_disconnected_when_too_many_answers_wait() {
     let guard = stuck.lock().unwrap();
     let (wait, end) = (Arc::clone(&stuck), Arc::clone(&closed));
     let write = move |_: &str| wait.lock().is_ok();
-    let outlet = Outlet::start(Presence::new("a test".into()), write, move || {
-        end.store(true, Ordering::SeqCst);
-    });
+    let outlet = Outlet::start(
+        Presence::new("a test".into(), &Clock::simulated()),
+        write,
+        move || {
+            end.store(true, Ordering::SeqCst);
+        },
+    );
     for _ in 0..4096 {
         outlet.send("ok\n");
     }
@@ -104,7 +113,7 @@ fn a_sender_that_reads_nothing_is_disconnected_when_too_many_answers_wait() {
 /// Nothing of it is read either.
 #[test]
 fn who_is_refused_or_finds_nobody_gets_no_control() {
-    let (desk, Connections { events, .. }) = desk(None);
+    let (desk, Connections { events, .. }) = desk(None, Clock::simulated());
     let answered = thread::spawn(move || {
         for admits in [false, true] {
             let Ok(Event::Asks(visitor)) = events.recv() else {
@@ -128,7 +137,7 @@ fn who_is_refused_or_finds_nobody_gets_no_control() {
 #[test]
 #[cfg(unix)]
 fn senders_reach_the_terminal_without_an_address() {
-    let (desk, _connections) = desk(None);
+    let (desk, _connections) = desk(None, Clock::simulated());
     let reached = |address| listen(address, &desk).unwrap().endpoints("here");
     let terminal = reached(None);
     assert!(terminal.address.is_none() && terminal.terminal.is_some());

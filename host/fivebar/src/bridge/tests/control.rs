@@ -45,7 +45,7 @@ fn only_a_silent_sender_loses_control_to_another_one() {
     let mut rig = Rig::homed();
     let first = rig.connect();
     assert!(!takes_over(&mut rig, &first));
-    first.set_silence(LONG);
+    first.be_silent(LONG);
     assert!(takes_over(&mut rig, &first));
     rig.note();
     assert_eq!(
@@ -58,7 +58,7 @@ fn only_a_silent_sender_loses_control_to_another_one() {
 fn a_silent_sender_keeps_control_while_its_arm_moves() {
     let mut rig = Rig::homed();
     let first = rig.drawing();
-    first.set_silence(LONG);
+    first.be_silent(LONG);
     assert!(!takes_over(&mut rig, &first));
     assert_eq!(rig.state(), State::Running);
 }
@@ -69,14 +69,14 @@ fn a_silent_sender_keeps_control_while_its_arm_homes_and_while_it_comes_to_rest(
     let first = rig.connect();
     first.say("$H\n");
     rig.until(|rig| rig.state() == State::Homing);
-    first.set_silence(LONG);
+    first.be_silent(LONG);
     assert!(!takes_over(&mut rig, &first));
     let mut rig = Rig::homed();
     let first = rig.drawing();
     first.say("!");
     rig.round();
     assert!(matches!(rig.slot.phase, Phase::Holding { .. }));
-    first.set_silence(LONG);
+    first.be_silent(LONG);
     assert!(!takes_over(&mut rig, &first));
 }
 
@@ -85,7 +85,7 @@ fn a_silent_sender_keeps_control_while_a_line_waits_although_the_arm_rests() {
     let mut rig = Rig::homed();
     let first = rig.connect();
     first.say("G91 G1 X-1 F3000\n");
-    first.set_silence(LONG);
+    first.be_silent(LONG);
     // Both are in the queue of events when the slot looks there.
     assert!(!takes_over(&mut rig, &first));
 }
@@ -97,7 +97,7 @@ fn a_silent_sender_loses_control_in_a_pause_and_its_path_is_dropped() {
     first.say("!");
     rig.until(|rig| rig.slot.phase == Phase::Held);
     assert!(!takes_over(&mut rig, &first));
-    first.set_silence(LONG);
+    first.be_silent(LONG);
     assert!(takes_over(&mut rig, &first));
     assert!(rig.slot.path.queue.is_empty());
     assert_eq!(rig.slot.phase, Phase::Ready);
@@ -190,7 +190,7 @@ fn silence_is_the_time_since_the_latest_byte() {
     let mut rig = Rig::homed();
     let sender = rig.connect();
     assert!(sender.presence.silence() < Duration::from_secs(30));
-    sender.set_silence(LONG);
+    sender.be_silent(LONG);
     assert!(sender.presence.silence() >= LONG);
     sender.say("?");
     assert!(sender.presence.silence() < LONG);

@@ -8,7 +8,7 @@ use crate::test_session;
 use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{Move, MoveKind, Request};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The tool's X [mm].
 fn x(rig: &Rig) -> f64 {
@@ -325,8 +325,7 @@ fn a_slow_line_of_a_reprap_sender_is_said_to_be_in_progress() {
     rig.until(|rig| rig.state() == State::Running);
     for (passed, signs) in [(0, 0), (3, 1)] {
         rig.answer(&sender);
-        let passed = Duration::from_secs(passed);
-        rig.slot.sender.as_mut().unwrap().busy_since = Instant::now() - passed;
+        rig.session.clock.sleep(Duration::from_secs(passed));
         rig.round();
         let answer = rig.answer(&sender);
         assert_eq!(answer, "echo:busy: processing\n".repeat(signs));
@@ -339,8 +338,7 @@ fn a_grbl_sender_is_not_told_that_a_line_is_in_progress() {
     let sender = rig.drawing();
     sender.say("M0\n");
     rig.round();
-    let slot = rig.slot.sender.as_mut().unwrap();
-    slot.busy_since -= Duration::from_secs(3);
+    rig.session.clock.sleep(Duration::from_secs(3));
     rig.round();
     let answer = rig.answer(&sender);
     assert!(!answer.contains("busy"), "{answer}");
@@ -362,7 +360,7 @@ fn an_arm_that_somebody_else_moves_is_seen_to_run_and_its_silent_sender_keeps_it
     rig.round();
     rig.round();
     assert!(rig.report(&sender).starts_with("<Run|"));
-    sender.set_silence(Duration::from_secs(11));
+    sender.be_silent(Duration::from_secs(11));
     let other = rig.call();
     rig.round();
     assert!(other.refusal().contains("another sender is in control"));

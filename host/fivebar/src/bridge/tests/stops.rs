@@ -1,6 +1,7 @@
 //! Stops with the bridges off: what latches, what is dropped, who may go on and when.
 
 use super::rig::Rig;
+use crate::bridge::slot::CLEARING;
 use fivebar_firmware::Request;
 use fivebar_firmware::safety::{Fault, State};
 
@@ -109,7 +110,7 @@ fn a_sender_that_connects_to_a_latched_fault_waits_before_it_clears_it() {
         .unwrap()
         .unwrap();
     rig.round();
-    rig.slot.fault.clears_from = std::time::Instant::now();
+    rig.session.clock.sleep(CLEARING);
     let sender = rig.call();
     rig.until(|rig| rig.slot.sender.is_some());
     assert_eq!(rig.answer(&sender), LOCKED);
@@ -118,7 +119,7 @@ fn a_sender_that_connects_to_a_latched_fault_waits_before_it_clears_it() {
         answer.contains("wait ") && answer.ends_with("error:9\n"),
         "{answer}"
     );
-    rig.slot.fault.clears_from = std::time::Instant::now();
+    rig.session.clock.sleep(CLEARING);
     assert!(rig.asked(&sender, "$X\n").ends_with("ok\n"));
     assert_eq!(rig.state(), State::Stopped);
 }

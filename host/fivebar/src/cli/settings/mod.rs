@@ -127,7 +127,6 @@ fn download(client: &mut PortClient) -> Result<String, Failure> {
 
 fn of_robot(robot: &str) -> Result<Settings, Failure> {
     let robot = Robot::load(robot).map_err(refused)?;
-    robot.brushed().map_err(refused)?;
     robot.settings().map_err(refused)
 }
 

@@ -3,6 +3,7 @@
 use super::super::bench::Bench;
 use super::super::finding::StepError;
 use super::super::record::Value;
+use super::moving::origins;
 use super::{Outcome, index};
 use fivebar_files::robot::{HomeMethod, Robot};
 use fivebar_files::scenario::Scenario;
@@ -12,18 +13,22 @@ use fivebar_report::picture::{DrawnPoint, validation as picture};
 use fivebar_report::study::margins::MarginsStudy;
 use fivebar_sim::drive::Drive;
 use fivebar_sim::simulation::Simulate;
-use std::f64::consts::TAU;
 
-/// How often the arm is homed.
+/// How often the arm is homed: what no encoder watches is homed oftener.
 const SEARCHES: usize = 3;
+const SEARCHES_UNSEEN: usize = 10;
 /// Greatest spread of the counts at the home angle [rad].
 const REPEATABILITY: f64 = 2e-3;
 
 /// Homes several times: the angles must be found, at the same counts each time.
 pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> {
-    let mut origins = Vec::new();
+    let mut found = Vec::new();
     let mut values = Vec::new();
-    for _ in 0..SEARCHES {
+    let searches = match bench.counts_by_hand() {
+        true => SEARCHES,
+        false => SEARCHES_UNSEEN,
+    };
+    for _ in 0..searches {
         // New settings make the controller forget its angles.
         bench.upload()?;
         if bench.robot.homing.method == HomeMethod::Index {
@@ -31,18 +36,11 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
         } else {
             bench.home()?;
         }
-        let status = bench.pause(0.3)?;
-        let counts = bench.sample()?.counts;
-        let mut origin = [0.0; 2];
-        for (joint, origin) in Joint::ALL.into_iter().zip(&mut origin) {
-            let per_count = TAU / bench.counts_per_turn(joint)?;
-            *origin = f64::from(counts[joint]) * per_count - f64::from(status.angle[joint]);
-        }
-        origins.push(origin);
+        found.push(origins(bench)?);
     }
     for joint in Joint::ALL {
-        let first = origins[0][joint];
-        let spread = origins
+        let first = found[0][joint];
+        let spread = found
             .iter()
             .map(|o| (o[joint] - first).abs())
             .fold(0.0, f64::max);
@@ -57,14 +55,11 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
             ));
         }
         let name = format!("home_repeatability{number}_rad");
-        values.push(Value::new(
-            name,
-            spread,
-            "greatest difference of homing three times",
-        ));
+        values.push(Value::new(name, spread, "greatest difference of all times"));
     }
+    let times = if searches == SEARCHES { "three" } else { "ten" };
     Ok(Outcome::new(
-        "both home angles were found three times, at the same counts",
+        format!("both home angles were found {times} times, at the same counts"),
         values,
     ))
 }

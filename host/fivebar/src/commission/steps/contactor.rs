@@ -9,7 +9,7 @@ const FALLEN: f64 = 0.8;
 /// Share of its voltage to which it must come back.
 const BACK: f64 = 0.95;
 /// How long each is waited for [s]: C1 and R1 may have twice their values.
-const PATIENCE: f64 = 2.5;
+const TIMEOUT_S: f64 = 2.5;
 
 /// The bus voltage [V].
 pub(super) fn bus(bench: &mut Bench) -> Result<f64, StepError> {
@@ -41,7 +41,7 @@ pub(super) fn closes(bench: &mut Bench, volts: f64) -> Result<(), StepError> {
 
 /// Waits until the bus voltage is as wanted; the time that it took [s], none if it never is.
 fn wait(bench: &mut Bench, is_so: impl Fn(f64) -> bool) -> Result<Option<f64>, StepError> {
-    for step in 0..(PATIENCE / 0.05) as u32 {
+    for step in 0..(TIMEOUT_S / 0.05) as u32 {
         if is_so(bus(bench)?) {
             return Ok(Some(0.05 * f64::from(step)));
         }

@@ -7,7 +7,7 @@
 use super::super::bench::Bench;
 use super::super::finding::StepError;
 use super::fit::least_squares;
-use fivebar_design::calibration::{Parameters, Touch, tip};
+use fivebar_design::calibration::{Parameters, Touch, Unknowns, tip};
 use fivebar_design::identification::{ENCODER_HARMONICS, EncoderErrors};
 use fivebar_files::robot::MeasuredKey;
 use fivebar_kinematics::five_bar::{Joint, Side};
@@ -105,19 +105,26 @@ pub(super) fn touches(bench: &Bench, rows: &[[f64; 4]]) -> Result<Vec<Touch>, St
     Ok(rows.iter().map(touch).collect())
 }
 
-/// Fits the arm, and the errors unless they are known, from the arm without errors on; none if the holes do not
+/// Fits the arm's free unknowns, and the errors unless they are known, from the arm without errors on; none if the holes do not
 /// determine them.
 pub(super) fn fit(
     start: &Parameters,
+    unknowns: Unknowns,
     touches: &[Touch],
     ratios: [f64; 2],
     assembly: Side,
     errors: Errors,
 ) -> Option<WithErrors> {
-    let (errors, unknowns) = match errors {
+    let (errors, count) = match errors {
         Errors::Unknown => (EncoderErrors::default(), UNKNOWNS),
         Errors::Known(errors) => (errors, PLAIN),
     };
+    let free: Vec<usize> = unknowns
+        .free()
+        .iter()
+        .copied()
+        .chain(PLAIN..count)
+        .collect();
     let mut found = WithErrors {
         parameters: *start,
         errors,
@@ -147,11 +154,15 @@ pub(super) fn fit(
             }
             let row = rows
                 .row_iter()
-                .map(|row| row.iter().copied().take(unknowns).collect());
+                .map(|row| free.iter().map(|&index| row[index]).collect());
             equations.extend(row);
             residuals.extend((touch.hole - tip.position).iter());
         }
-        let step = least_squares(&equations, &residuals, 1)?.values;
+        let solved = least_squares(&equations, &residuals, 1)?.values;
+        let mut step = [0.0; UNKNOWNS];
+        for (&index, value) in free.iter().zip(solved) {
+            step[index] = value;
+        }
         let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
         found.residual = (squares / residuals.len() as f64).sqrt();
         let p = &mut found.parameters;
@@ -162,9 +173,75 @@ pub(super) fn fit(
         p.origin = [p.origin[0] + step[7], p.origin[1] + step[8]];
         p.turn += step[9];
         let terms = found.errors.terms.iter_mut().flatten().flatten();
-        for (term, step) in terms.zip(step.iter().skip(PLAIN)) {
+        for (term, step) in terms.zip(&step[PLAIN..]) {
             *term += step;
         }
     }
     found.residual.is_finite().then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Errors, fit};
+    use fivebar_design::calibration::{Parameters, Touch, Unknowns};
+    use fivebar_design::identification::EncoderErrors;
+    use fivebar_kinematics::five_bar::{Geometry, Joint, Side, WorkingMode};
+    use nalgebra::Vector2;
+
+    const RATIOS: [f64; 2] = [8.0, 8.0];
+
+    /// 40 holes that an arm touches with these errors of its encoders.
+    fn touches(made: &Parameters, errors: &EncoderErrors) -> Vec<Touch> {
+        let geometry = Geometry::new(made.lengths).unwrap();
+        let mode = WorkingMode::new(Side::Right, Side::Left);
+        let touch = |index: usize| {
+            let at = |step: usize, of: usize| (index * step % of) as f64 / of as f64;
+            let c = Vector2::new(0.2 * at(7, 40) - 0.09, 0.08 * at(11, 37) + 0.13);
+            let [theta1, _, _, theta4] = geometry.inverse(c, mode).unwrap().angles();
+            let shown = |joint: Joint, theta: f64| {
+                theta + errors.at(joint, theta, RATIOS[joint]) - made.offsets[joint]
+            };
+            Touch {
+                encoder: [shown(Joint::Joint1, theta1), shown(Joint::Joint4, theta4)],
+                hole: c + Vector2::from(made.origin),
+            }
+        };
+        (0..40).map(touch).collect()
+    }
+
+    #[test]
+    fn errors_of_the_encoders_are_found_with_a_base_and_without() {
+        for base in [0.08, 0.0] {
+            let made = Parameters {
+                lengths: [0.1001, 0.1598, 0.1603, 0.0999, base],
+                offsets: [2e-3, -1e-3],
+                origin: [0.01, 0.02],
+                turn: 0.0,
+            };
+            let mut errors = EncoderErrors::default();
+            errors.terms[0][0] = [2e-3, 1e-3];
+            errors.terms[1][0] = [-1e-3, 2e-3];
+            let start = Parameters {
+                lengths: [0.10, 0.16, 0.16, 0.10, base],
+                origin: made.origin,
+                ..Parameters::default()
+            };
+            let (unknowns, touches) = (Unknowns::of(start.lengths), touches(&made, &errors));
+            let found = fit(
+                &start,
+                unknowns,
+                &touches,
+                RATIOS,
+                Side::Left,
+                Errors::Unknown,
+            );
+            let found = found.expect("the holes determine the arm");
+            assert!(found.residual < 1e-9, "{base}: {}", found.residual);
+            let pairs = found.errors.terms.iter().zip(&errors.terms);
+            for (own, wanted) in pairs.flat_map(|(own, wanted)| own.iter().zip(wanted)) {
+                let off = [0, 1].map(|k| (own[k] - wanted[k]).abs());
+                assert!(off[0].max(off[1]) < 1e-7, "{base}: {own:?} for {wanted:?}");
+            }
+        }
+    }
 }

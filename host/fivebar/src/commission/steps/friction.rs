@@ -8,7 +8,7 @@ use super::super::bench::Bench;
 use super::super::finding::StepError;
 use super::super::record::Value;
 use super::fit::least_squares;
-use super::moving::{JointLog, follow, joint_angles, logged, tool};
+use super::moving::{JointLog, follow, logged, middle, tool};
 use super::{Outcome, measured};
 use fivebar_files::robot::MeasuredKey;
 use fivebar_firmware::recorder::{LOG_WORDS, Signals};
@@ -72,10 +72,7 @@ pub(in super::super) fn friction(bench: &mut Bench) -> Result<Outcome, StepError
 
 /// Speeds [rad/s] and friction torques [N·m] of a joint.
 fn sweep(bench: &mut Bench, joint: Joint) -> Result<Vec<[f64; 2]>, StepError> {
-    let best = bench.robot.best_point().map_err(StepError::other)?;
-    let middle = joint_angles(&bench.robot, best.into()).ok_or_else(|| {
-        StepError::other("the middle of the workspace is outside limits.angle of the robot file")
-    })?;
+    let middle = middle(bench)?;
     let drive = bench.drive(joint)?;
     let turn = TAU / drive.gear_ratio.abs();
     let whole = (LONGEST / turn).floor();

@@ -5,9 +5,9 @@ use super::super::finding::StepError;
 use super::super::operator::Task;
 use super::super::record::Value;
 use super::encoder_errors::{self, Errors, WithErrors, fit, in_file, ratios, touches};
-use super::{Outcome, measured as measured_value};
+use super::{Outcome, marks, measured as measured_value};
 use fivebar_design::Noise;
-use fivebar_design::calibration::{Criterion, Parameters};
+use fivebar_design::calibration::{Criterion, Parameters, Unknowns};
 use fivebar_design::identification::EncoderErrors;
 use fivebar_files::measurements::read_columns;
 use fivebar_files::robot::{Measured, Robot};
@@ -33,10 +33,12 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
         Some(points) => {
             read_columns(&points, ["counts1", "counts4", "x", "y"]).map_err(StepError::other)?
         }
-        None => touched(bench)?,
+        None if bench.counts_by_hand() => touched(bench)?,
+        None => marks::marked(bench)?,
     };
+    let sigma = sigma(bench);
     let mut study =
-        calibrate_robot(&bench.robot, &rows, SIGMA, Criterion::Huber).map_err(|error| {
+        calibrate_robot(&bench.robot, &rows, sigma, Criterion::Huber).map_err(|error| {
             StepError::wrong(
                 format_args!("the holes do not determine the arm: {error}"),
                 "check the plate's table, counts and gear ratios, and touch the holes again",
@@ -48,7 +50,12 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
         study.calibration.parameters = errors.parameters;
     }
     let mut values = found_values(&study);
-    let mut text = format!("lengths and offsets from {} holes", rows.len());
+    let places = if bench.counts_by_hand() {
+        "holes"
+    } else {
+        "marks"
+    };
+    let mut text = format!("lengths and offsets from {} {places}", rows.len());
     if let Some(expected) = &study.tip_error {
         values.push(Value::new(
             "tip_error_expected_m",
@@ -92,10 +99,24 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
     })
 }
 
+/// Standard deviation of a place's x and of its y [m].
+fn sigma(bench: &Bench) -> f64 {
+    match bench.counts_by_hand() {
+        true => SIGMA,
+        false => marks::SIGMA,
+    }
+}
+
 /// What the touched holes say of the arm and of the plate.
 fn found_values(study: &CalibrationStudy) -> Vec<Value> {
     let p = &study.calibration.parameters;
-    let sd = |index: usize| study.calibration.covariance[(index, index)].sqrt();
+    let of = |name: &str, value: f64, origin: &str, index: usize| match study.calibration.covariance
+        [(index, index)]
+        .sqrt()
+    {
+        0.0 => Value::new(name, value, "held, because both hips turn about one axis"),
+        sd => Value::new(name, value, origin).with_sd(sd),
+    };
     let names = [
         "l1_m",
         "l2_m",
@@ -107,15 +128,16 @@ fn found_values(study: &CalibrationStudy) -> Vec<Value> {
     ];
     let found = p.lengths.iter().chain(&p.offsets);
     let mut values: Vec<Value> = (names.iter().zip(found).enumerate())
-        .map(|(index, (name, value))| {
-            Value::new(*name, *value, "by touched holes").with_sd(sd(index))
-        })
+        .map(|(index, (name, value))| of(name, *value, "by touched holes", index))
         .collect();
     for (index, name) in PLATE.into_iter().enumerate() {
         let placed = [p.origin[0], p.origin[1], p.turn][index];
-        values.push(
-            Value::new(name, placed, "of the plate, by touched holes").with_sd(sd(7 + index)),
-        );
+        values.push(of(
+            name,
+            placed,
+            "of the plate, by touched holes",
+            7 + index,
+        ));
     }
     values
 }
@@ -137,6 +159,9 @@ const SIGNIFICANT: f64 = 40.0;
 
 /// Errors of the encoders, where they explain significantly more than without them.
 fn errors_by_holes(bench: &Bench, rows: &[[f64; 4]]) -> Result<Option<WithErrors>, StepError> {
+    if !bench.counts_by_hand() {
+        return Ok(None);
+    }
     // Of all holes: errors of the encoders are no outliers.
     let plain = calibrate_robot(&bench.robot, rows, SIGMA, Criterion::LeastSquares)
         .map_err(StepError::other)?;
@@ -172,6 +197,7 @@ fn refined(
     let touches = touches(bench, rows)?;
     Ok(fit(
         start,
+        Unknowns::of(bench.robot.geometry.lengths()),
         &touches,
         ratios(bench)?,
         home.assembly(),
@@ -237,6 +263,11 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
     let proposal = propose_poses(&bench.robot, HOLES, SIGMA).map_err(StepError::other)?;
     bench.home()?;
     bench.report("The holes of the plate, in the arm's own frame: fivebar calibrate --propose 40 --plate FILE.svg")?;
+    if bench.robot.geometry.lengths()[4] == 0.0 {
+        bench.report(
+            "Both hips turn about one axis: the plate's x axis is the arm's, so lay it along",
+        )?;
+    }
     let simulated = bench.operator.actions().is_some();
     let mut noise = Noise::new(7);
     let mut rows = Vec::new();

@@ -1,24 +1,37 @@
-//! The steps, in their order.
+//! The steps.
 
 mod arm;
 mod belts;
 mod bridge_limit;
+mod bus;
 mod contactor;
+mod dead_band;
+mod driver_current;
 mod dynamics;
 mod electrics;
+mod enable;
 mod encoder_errors;
 mod fit;
 mod friction;
 mod geometry;
 mod index;
 mod inputs;
+mod marks;
 mod motors;
 mod moving;
+mod order;
+mod reserve;
+mod standing;
+mod strokes;
+mod told_torque;
+mod turns;
 
 use super::bench::Bench;
 use super::finding::StepError;
 use super::record::Value;
 use fivebar_files::robot::{Measured, MeasuredKey};
+
+pub(crate) use order::{named, names, of};
 
 /// What a step found.
 pub(super) struct Outcome {
@@ -57,77 +70,3 @@ pub(crate) struct Step {
     /// Does it.
     pub(super) run: fn(&mut Bench) -> Result<Outcome, StepError>,
 }
-
-/// All steps.
-pub(crate) const STEPS: [Step; 13] = [
-    Step {
-        name: "supply",
-        does: "reads the bus voltage and the current sensors; nothing is switched on",
-        run: inputs::supply,
-    },
-    Step {
-        name: "emergency-stop",
-        does: "asks for the emergency stop, and waits until the bus falls; nothing is switched on",
-        run: inputs::emergency_stop,
-    },
-    Step {
-        name: "switches",
-        does: "asks for each home switch; nothing is switched on",
-        run: inputs::switches,
-    },
-    Step {
-        name: "encoders",
-        does: "asks for a turn of each joint by hand; nothing is switched on",
-        run: inputs::encoders,
-    },
-    Step {
-        name: "motors",
-        does: "puts a small voltage on one motor at a time, for 0.15 s and 0.1 rad at most, up to \
-               the motor's continuous current",
-        run: motors::directions,
-    },
-    Step {
-        name: "electrics",
-        does: "puts voltages on one motor at a time, for 0.8 s and 0.45 rad at most, up to the \
-               motor's continuous current, and the whole voltage for 2 ms, up to the bridge's own current \
-               limit; the joints must be free to turn away from their switches",
-        run: electrics::electrics,
-    },
-    Step {
-        name: "homing",
-        does: "homes the arm three times by the method of [homing], at its speed and current",
-        run: arm::homing,
-    },
-    Step {
-        name: "belts",
-        does: "homes the arm, then puts a pseudo-random voltage on one motor at a time, for 0.3 s and 0.45 rad at \
-               most; an arm without belts is left as it is",
-        run: belts::belts,
-    },
-    Step {
-        name: "friction",
-        does: "homes the arm, then turns one joint at a time there and back at constant speeds",
-        run: friction::friction,
-    },
-    Step {
-        name: "geometry",
-        does: "homes the arm, then asks for the tip in holes of a plate; the bridges are off",
-        run: geometry::geometry,
-    },
-    Step {
-        name: "dynamics",
-        does: "homes the arm, then moves both joints fast through the workspace, twice for some seconds",
-        run: dynamics::dynamics,
-    },
-    Step {
-        name: "tuning",
-        does: "works out the gains from what was measured; nothing moves",
-        run: arm::tuning,
-    },
-    Step {
-        name: "validation",
-        does: "draws the demonstration in the air with the values of the drawing, then with the \
-               measured ones",
-        run: arm::validation,
-    },
-];

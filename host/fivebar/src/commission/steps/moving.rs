@@ -73,10 +73,30 @@ pub(super) fn currents(bench: &Bench, joint: Joint, rows: &LogRows) -> Result<Ve
     Ok(codes.iter().map(|code| (code - zero) * per_code).collect())
 }
 
+/// What the homed joints' counts are at the angle 0 [rad].
+pub(super) fn origins(bench: &mut Bench) -> Result<[f64; 2], StepError> {
+    let status = bench.pause(0.3)?;
+    let counts = bench.sample()?.counts;
+    let mut origins = [0.0; 2];
+    for joint in Joint::ALL {
+        let per_count = TAU / bench.counts_per_turn(joint)?;
+        origins[joint] = f64::from(counts[joint]) * per_count - f64::from(status.angle[joint]);
+    }
+    Ok(origins)
+}
+
 /// The tool's place [m].
 pub(super) fn tool(bench: &mut Bench) -> Result<[f32; 2], StepError> {
     let tool = bench.client.status()?.0.tool;
     tool.ok_or_else(|| StepError::other("the controller is homed and knows no place of its tool"))
+}
+
+/// θ1, θ4 in the middle of the workspace [rad].
+pub(super) fn middle(bench: &Bench) -> Result<[f64; 2], StepError> {
+    let best = bench.robot.best_point().map_err(StepError::other)?;
+    joint_angles(&bench.robot, best.into()).ok_or_else(|| {
+        StepError::other("the middle of the workspace is outside limits.angle of the robot file")
+    })
 }
 
 /// θ1, θ4 [rad] with C at a place [m], within the limits of the angles; none if there are none.

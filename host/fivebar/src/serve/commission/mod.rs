@@ -7,24 +7,26 @@
 //! bridges off and confirms it.
 
 mod clicks;
+mod page_state;
 mod state;
 mod web;
 
 use super::accept;
-use super::channels::{self, ControllerEnd};
 use super::guard::Guard;
-use super::updates::Updates;
+use super::wire::channels::{self, ControllerEnd};
+use super::wire::updates::Updates;
 use super::{ServeError, web as live};
 use crate::commission::{Commissioning, Options, StepError};
 use clicks::{Click, PageOutput};
+use fivebar_sim::clock::Clock;
 use state::Shared;
 use std::net::SocketAddr;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-pub(super) use state::PageState;
+pub(super) use page_state::PageState;
 
 /// How often a thread looks for the end of the program.
 const LOOK: Duration = Duration::from_millis(50);
@@ -42,14 +44,15 @@ pub(crate) fn serve(
     options: &Options,
     address: SocketAddr,
     guard: Guard,
+    clock: Clock,
     ready: impl FnOnce(SocketAddr),
     ends: impl Fn() -> bool + Send + 'static,
 ) -> Result<(), ServeError> {
     let listener = accept::listen(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
     let (clicks, clicked) = channel();
-    let (pages, from_pages, to_pages) = channels::channels();
-    let shared = Arc::new(Shared::new(clicks, Updates::start(to_pages)));
+    let (pages, from_pages, to_pages) = channels::channels(clock.clone());
+    let shared = Arc::new(Shared::new(clicks, Updates::start(to_pages), clock));
     let clicked = Arc::new(Mutex::new(clicked));
     let output = PageOutput::new(Arc::clone(&shared), Arc::clone(&clicked));
     let stop = Arc::clone(&shared.stop);
@@ -72,16 +75,16 @@ pub(crate) fn serve(
 /// Stops the arm when a page asks for it and when the program ends, also in the middle of a step.
 fn watch(shared: Arc<Shared>, pages: ControllerEnd, ends: impl Fn() -> bool + Send + 'static) {
     thread::spawn(move || {
-        let mut shown = Instant::now();
+        let mut shown = shared.clock.now();
         while !ends() {
-            thread::sleep(LOOK_FOR_STOPS);
+            shared.clock.sleep(LOOK_FOR_STOPS);
             while pages.shared.stop.take().is_some() {
                 shared.raise_stop();
             }
             // The requests of the arm's page mean nothing here.
             while pages.events.try_recv().is_ok() {}
-            if shown.elapsed() > SIGN_OF_LIFE {
-                shown = Instant::now();
+            if shared.clock.since(shown) > SIGN_OF_LIFE {
+                shown = shared.clock.now();
                 shared.change(|_| ());
             }
         }
@@ -101,11 +104,14 @@ fn attend(mut commissioning: Commissioning, shared: &Shared, clicked: &Mutex<Rec
                 begin(&mut commissioning, shared, clicked, step);
             }
             Ok(Click::Again(step)) => {
-                commissioning.forget_from(step);
-                shared.change(|state| state.show_steps(&commissioning));
+                let forgotten = commissioning.forget_from(step);
+                shared.change(|state| {
+                    state.show_steps(&commissioning);
+                    state.trouble = forgotten.err().map(|error| error.to_string());
+                });
             }
             // Of a task that is over.
-            Ok(Click::Done { .. }) | Err(RecvTimeoutError::Timeout) => {}
+            Ok(Click::Done { .. } | Click::Answer(_)) | Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return,
         }
         if shared.is_stopped() {

@@ -1,11 +1,11 @@
 //! The guided page's files and its requests.
 
-use super::super::channels::WebEnd;
 use super::super::guard::Guard;
 use super::super::web::{guarded, live};
+use super::super::wire::channels::WebEnd;
 use super::clicks::Click;
 use super::state::Shared;
-use crate::commission::STEPS;
+use crate::commission::named;
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::{StatusCode, header};
@@ -63,6 +63,7 @@ pub(super) fn router(shared: Arc<Shared>, pages: WebEnd, guard: Guard) -> Router
         .route("/begin", post(begin))
         .route("/again", post(again))
         .route("/done", post(done))
+        .route("/answer", post(answer))
         .route("/safe", post(safe))
         .route("/stop", post(stop))
         .layer(DefaultBodyLimit::max(LONGEST))
@@ -85,8 +86,8 @@ async fn again(State(shared): State<Arc<Shared>>, step: String) -> Response {
 }
 
 fn on_step(shared: &Shared, name: &str, click: fn(&'static str) -> Click) -> Response {
-    match STEPS.iter().find(|step| step.name == name) {
-        Some(step) => clicked(shared, click(step.name)),
+    match named(name) {
+        Some(step) => clicked(shared, click(step)),
         None => (StatusCode::BAD_REQUEST, "there is no such step\n").into_response(),
     }
 }
@@ -94,6 +95,14 @@ fn on_step(shared: &Shared, name: &str, click: fn(&'static str) -> Click) -> Res
 async fn done(State(shared): State<Arc<Shared>>, body: String) -> Response {
     let all = body == "all";
     clicked(&shared, Click::Done { all })
+}
+
+/// The index of an answer of the question that waits.
+async fn answer(State(shared): State<Arc<Shared>>, body: String) -> Response {
+    match body.parse() {
+        Ok(index) => clicked(&shared, Click::Answer(index)),
+        Err(_) => (StatusCode::BAD_REQUEST, "an answer is a number\n").into_response(),
+    }
 }
 
 fn clicked(shared: &Shared, click: Click) -> Response {

@@ -68,7 +68,7 @@ function receive(message) {
   if (message.console?.to === me) terminal.answer(message.console.text);
   if ("fault" in message) {
     fault = message.fault;
-    showFault(fault);
+    showFault(fault, arm.shows);
   }
   if (message.job) {
     const isNew = drawing.job?.name !== message.job.name;
@@ -231,9 +231,12 @@ function redraw() {
 
 // Actions of the user.
 
+// Sends a request; returns its number, or false.
 function send(request) {
   showNotice("");
-  if (!connection.send(request)) showNotice("Not sent: there is no connection.", true);
+  const number = connection.send(request);
+  if (!number) showNotice("Not sent: there is no connection.", true);
+  return number;
 }
 
 // Stops on the path, whatever this page last received about the arm. The hand lets go of what it drags.
@@ -261,11 +264,11 @@ const turnOf = (turn) => [turn.slice(0, -1), turn.endsWith("+") ? 1 : -1];
 
 function holdTool(x, y) {
   const speed = STEPS_A_SECOND * STEPS[at("step-size").value];
-  send({ hold: [x * speed, y * speed] });
+  return send({ hold: [x * speed, y * speed] });
 }
 
 function holdJoint(joint, sign) {
-  send({ hold_joint: { joint, rate: sign * STEPS_A_SECOND * TURNS[at("turn").value] * DEGREE } });
+  return send({ hold_joint: { joint, rate: sign * STEPS_A_SECOND * TURNS[at("turn").value] * DEGREE } });
 }
 
 // What begins the motion of a button while it is held; null: it has none now.
@@ -274,13 +277,15 @@ function motionOf(button, event) {
   if (!direction && !turn) return null;
   if (whyNot("jog", last, loaded) !== null || last.control !== me) return null;
   return () => {
-    if (!clicks.admits("jog", button, event)) showNotice(NOT_MEANT, true);
-    else if (direction) holdTool(...stepsOf(direction));
-    else holdJoint(...turnOf(turn));
+    if (clicks.admits("jog", button, event)) {
+      return direction ? holdTool(...stepsOf(direction)) : holdJoint(...turnOf(turn));
+    }
+    showNotice(NOT_MEANT, true);
+    return false;
   };
 }
 
-const hold = new Hold(motionOf, stop);
+const hold = new Hold(motionOf, (number) => connection.renew(number), stop);
 
 const terminal = new Console((line) => {
   const why = whyNot("send", last, loaded);
@@ -400,7 +405,10 @@ const muteKeys = listen(
   stop,
   { ...actions(jog, ARROWS), ...ZOOM_KEYS },
   { ...actions(jogJoint, JOINT_ARROWS), ...ZOOM_KEYS },
-  (key, isJoint) => hold.press(key, () => (isJoint ? holdJoint(...JOINT_ARROWS[key]) : holdTool(...ARROWS[key]))),
+  (event) => {
+    const { key, shiftKey } = event;
+    hold.pressKey(event, () => (shiftKey ? holdJoint(...JOINT_ARROWS[key]) : holdTool(...ARROWS[key])));
+  },
 );
 
 drag.onStart = () => showNotice("");
@@ -411,6 +419,8 @@ drag.onView = redraw;
 
 at("name").textContent = arm.name;
 at("place").textContent = arm.place;
+// What these drives do not measure is not shown.
+for (const part of document.querySelectorAll("[data-shows]")) part.hidden = !arm.shows.includes(part.dataset.shows);
 chooseBranch(modes[0].dataset.mode);
 showLegend();
 setMap(true);

@@ -59,7 +59,16 @@ function show(state) {
   part("safe").hidden = !state.stopped;
   trouble(state.trouble);
   part("task").hidden = !state.task;
-  part("ask").textContent = state.task ? `${state.task.text}.` : "";
+  part("ask").textContent = state.task ? state.task.text.replace(/[^?]$/, "$&.") : "";
+  const answers = state.task?.answers ?? [];
+  part("done").hidden = answers.length > 0;
+  part("answers").replaceChildren(...answers.map((text, index) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.dataset.answer = index;
+    button.textContent = text;
+    return button;
+  }));
   part("all").hidden = !state.task?.simulated;
   part("place").textContent = state.place;
   part("lines").replaceChildren(...state.lines.map((text) => {
@@ -88,5 +97,7 @@ const actions = {
 addEventListener("click", (event) => {
   const button = event.target.closest("button");
   if (!button) return;
-  if (clicks.admits(button.id || button.textContent, button, event)) actions[button.id]?.(button);
+  if (!clicks.admits(button.id || button.textContent, button, event)) return;
+  if (button.dataset.answer) send("answer", button.dataset.answer);
+  else actions[button.id]?.(button);
 });

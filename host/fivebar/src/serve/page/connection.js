@@ -2,6 +2,7 @@
 // and repeats an emergency stop until the server has confirmed it.
 
 const TIMEOUT = 3000; // ms without a message after which the server counts as lost
+const STALL = 1000; // ms between two ticks after which the page itself stood still
 const RETRY = 1000; // ms
 const REPEAT = 200; // ms after which an emergency stop without confirmation is sent again
 
@@ -13,8 +14,10 @@ export const isMoving = ({ state }) => MOVING.includes(state);
 export class Connection {
   #socket = null;
   #received = 0; // time of the last message, or of the attempt to connect [ms]
+  #ticked = 0; // time of the last tick [ms]
   #asked = null; // when the emergency stop was asked for that is not confirmed yet [ms]
   #latest = {}; // the latest message of each kind
+  #number = 0; // of the last request that has one
   #onMessage = null;
   #onLost = () => {};
   // Called again and again while an emergency stop is not confirmed, with the time since it was asked
@@ -74,17 +77,27 @@ export class Connection {
   #tick() {
     this.send("alive");
     const socket = this.#socket;
-    if (socket && performance.now() - this.#received > TIMEOUT) {
+    const now = performance.now();
+    // What the server sent while the page stood still may wait behind this tick.
+    if (now - this.#ticked > STALL) this.#received = now;
+    this.#ticked = now;
+    if (socket && now - this.#received > TIMEOUT) {
       this.#lose(socket);
       socket.close();
     }
   }
 
-  // Sends a request; returns whether it was sent.
+  // Sends a request; returns its number, or false if it was not sent. One with content is sent with its number.
   send(request) {
     if (!this.isOpen) return false;
-    this.#socket.send(JSON.stringify(request));
-    return true;
+    const number = ++this.#number;
+    this.#socket.send(JSON.stringify(typeof request === "string" ? request : { ...request, number }));
+    return number;
+  }
+
+  // Renews the held motion that the request with this number began.
+  renew(number) {
+    if (this.isOpen) this.#socket.send(JSON.stringify({ renew: number }));
   }
 
   // Sends an emergency stop, again and again until it is confirmed.

@@ -4,8 +4,8 @@ import { connection } from "./emergency.js";
 // Controls that move the arm or switch its motors on: they are pressed by Enter, so that Space stops there.
 const MOVING = "[data-request], [data-jog], [data-turn], [data-pen], #run, #run-from, #resume, #change, #send, #next";
 
-// Listens to keys. `stop` stops the arm; `keys` and `shiftKeys` have an action for each other key, and `held` gets a
-// key that may be held for a motion. Returns a function that mutes the keys that are down.
+// Listens to keys. `stop` stops the arm; `keys` and `shiftKeys` have an action for each other key, and `held` gets the
+// event of a key that may be held for a motion. Returns a function that mutes the keys that are down.
 export function listen(stop, keys, shiftKeys, held) {
   let isHeld = false; // the Space that has stopped the arm is still down
   let isMuted = false; // an arrow that was held before the stop jogs no more
@@ -33,7 +33,7 @@ export function listen(stop, keys, shiftKeys, held) {
     if (!repeat) isMuted = false;
     if (isMuted || (isArrow && repeat)) return;
     action();
-    if (isArrow) held(key, shiftKey);
+    if (isArrow) held(event);
   }, true);
   // Some browsers press a button when the key is released.
   addEventListener("keyup", (event) => {

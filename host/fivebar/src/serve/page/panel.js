@@ -124,7 +124,8 @@ export function showNotice(text, refused = false) {
   at("notice").classList.toggle("refused", refused);
 }
 
-export function showFault(fault) {
+// `shows` is what the drives measure.
+export function showFault(fault, shows) {
   at("fault").hidden = !fault;
   if (!fault) return;
   at("fault-name").textContent = `${fault.name} (${fault.fault})`;
@@ -135,10 +136,10 @@ export function showFault(fault) {
     ["θ1, θ4", fault.angle.map(degrees).join(", ")],
     ["ω1, ω4", `${numbers(fault.velocity, 3)} rad/s`],
     ["position errors", `${numbers(fault.error, 5)} rad`],
-    ["currents", `${numbers(fault.current, 3)} A`],
-    ["torques", `${numbers(fault.torque, 4)} N·m`],
-    ["bus", `${fault.bus_voltage.toFixed(1)} V`],
-  ];
+    ["currents", `${numbers(fault.current, 3)} A`, "current"],
+    ["torques", `${numbers(fault.torque, 4)} N·m`, "torque"],
+    ["bus", `${fault.bus_voltage.toFixed(1)} V`, "bus_voltage"],
+  ].filter(([, , signal]) => !signal || shows.includes(signal));
   at("snapshot").replaceChildren(...rows.map(([name, value]) => {
     const row = document.createElement("tr");
     const head = document.createElement("th");

@@ -1,12 +1,12 @@
 use crate::senders::{Console, Endpoints, Senders};
-use crate::serve::channels::{WebEnd, channels};
 use crate::serve::controller_thread::ControllerThread;
-use crate::serve::message::ServerMessage;
 use crate::serve::parsed_job::ParsedJob;
-use crate::serve::stop_signal::Stop;
-use crate::serve::updates::Updates;
+use crate::serve::wire::channels::{WebEnd, channels};
+use crate::serve::wire::message::ServerMessage;
+use crate::serve::wire::stop_signal::Stop;
+use crate::serve::wire::updates::Updates;
 use crate::test_session::{self, robot};
-use fivebar_files::job::{Job, Placement};
+use fivebar_files::job::{Job, JobReader, Placement};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{Move, MoveKind, Request};
 use fivebar_kinematics::five_bar::Side;
@@ -79,7 +79,7 @@ impl Rig {
     /// Page 7 is the one that asks.
     fn new(is_in_control: bool) -> Self {
         let session = test_session::homed();
-        let (web, controller, pages) = channels();
+        let (web, controller, pages) = channels(session.clock.clone());
         let notices = web.notices.subscribe();
         let asked = Arc::<Mutex<Vec<_>>>::default();
         let senders = Box::new(Noted {
@@ -87,7 +87,14 @@ impl Rig {
             asked: Arc::clone(&asked),
         });
         let updates = Updates::start(pages);
-        let thread = ControllerThread::new(session, senders, robot(), None, controller, updates);
+        let thread = ControllerThread::new(
+            session,
+            senders,
+            robot(),
+            (JobReader::default(), None),
+            controller,
+            updates,
+        );
         Self {
             thread: thread.unwrap(),
             web,

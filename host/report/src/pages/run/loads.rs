@@ -5,6 +5,7 @@ use super::{RunReport, spaced};
 use crate::html::{Chart, Page, Point};
 use crate::text::quantity;
 use fivebar_kinematics::dynamics::{ShareTotals, TorqueComponents};
+use fivebar_sim::machine::Signal;
 use fivebar_sim::simulation::Sample;
 
 /// Samples for the causes of the torques.
@@ -23,7 +24,9 @@ const JOINTS: [&str; 2] = ["joint 1", "joint 4"];
 impl RunReport<'_> {
     pub(super) fn add_loads(&self, page: &mut Page) {
         self.add_torques(page);
-        self.add_currents(page);
+        if self.shows(Signal::Current) {
+            self.add_currents(page);
+        }
     }
 
     fn add_torques(&self, page: &mut Page) {
@@ -86,7 +89,7 @@ impl RunReport<'_> {
     }
 
     fn add_currents(&self, page: &mut Page) {
-        page.heading("Currents and voltages");
+        page.heading("Currents");
         let samples = self.trace.samples();
         let line = |value: &dyn Fn(&Sample) -> f64| -> Vec<Point> {
             samples
@@ -117,11 +120,14 @@ impl RunReport<'_> {
             }
             page.chart(&chart);
         }
-        let mut chart = Chart::new("Duty of the bridges", "time [s]", "duty [1]");
-        for (joint, name) in JOINTS.into_iter().enumerate() {
-            chart = chart.line(name, line(&|sample| sample.duty[joint]));
+        // Drives on a bus have bridges of their own.
+        if self.shows(Signal::BusVoltage) {
+            let mut chart = Chart::new("Duty of the bridges", "time [s]", "duty [1]");
+            for (joint, name) in JOINTS.into_iter().enumerate() {
+                chart = chart.line(name, line(&|sample| sample.duty[joint]));
+            }
+            page.chart(&chart);
         }
-        page.chart(&chart);
         let limited = |sample: &Sample| if sample.saturated { 1.0 } else { f64::NAN };
         if samples.iter().any(|sample| sample.saturated) {
             page.chart(

@@ -1,6 +1,7 @@
 //! The report of a run: the motion, its errors and its loads.
 
 mod by_cause;
+mod drives;
 mod loads;
 mod motion;
 mod picture;
@@ -41,7 +42,7 @@ impl RunReport<'_> {
     pub fn page(&self) -> Page {
         let summary = self.summary;
         let mut page = Page::new(format!("{} draws {}", summary.robot, summary.scenario));
-        if summary.faults.is_empty() {
+        if summary.verdict.drawn {
             page.paragraph(&self.outcome());
         } else {
             page.failure(&self.outcome());
@@ -51,13 +52,18 @@ impl RunReport<'_> {
         let figures = [
             ("RMS tip error", quantity(summary.tip_error.rms_m, "m")),
             ("greatest tip error", quantity(summary.tip_error.max_m, "m")),
-            ("peak torque, of the limit", self.torque_used()),
-            ("peak current, of the limit", self.current_used()),
         ];
+        let figures = figures
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value));
+        let figures: Vec<(String, String)> = figures.chain(self.drive_figures()).collect();
+        let figures = figures
+            .iter()
+            .map(|(name, value)| (name.as_str(), value.clone()));
         if self.trace.samples().is_empty() {
             page.key_figures(&time);
         } else {
-            page.key_figures(&[&time[..], &figures].concat());
+            page.key_figures(&time.into_iter().chain(figures).collect::<Vec<_>>());
             self.add_motion(&mut page);
             self.add_speed(&mut page);
             self.add_errors(&mut page);
@@ -68,48 +74,33 @@ impl RunReport<'_> {
         page
     }
 
+    /// Whether the job was drawn, and why not.
     fn outcome(&self) -> String {
-        let faults = &self.summary.faults;
-        let unbegun = if self.trace.samples().is_empty() {
-            " The job had not begun."
-        } else {
-            ""
+        let Summary {
+            faults, verdict, ..
+        } = self.summary;
+        let unbegun = match self.trace.samples() {
+            [] => " The job had not begun.",
+            _ => "",
         };
-        if faults.is_empty() {
-            "The job was done without a fault. All figures below are of the simulated arm itself, \
-             not of the controller's estimates."
-                .into()
-        } else if let Some(stopped) = self.stopped {
-            format!("{stopped}{unbegun}")
-        } else {
-            format!(
-                "The run ended with a fault: {}.{unbegun}",
-                faults.join(", ")
-            )
-        }
-    }
-
-    /// The greatest torque as a share of what the motor can give at its joint; at the joint where
-    /// this is greatest.
-    fn torque_used(&self) -> String {
-        let settings = self.robot.settings().ok();
-        let checked = settings.and_then(|settings| settings.check().ok());
-        let limits = checked.map(|settings| settings.peak_torque().map(f64::from));
-        share(self.summary.peak_torque_nm, limits)
-    }
-
-    /// The greatest current as a share of the peak current of its motor.
-    fn current_used(&self) -> String {
-        let greatest = [0, 1].map(|joint| {
-            let samples = self.trace.samples().iter();
-            let currents = samples.map(|sample| sample.current[joint].abs());
-            currents.fold(0.0, f64::max)
-        });
-        let limits = self.robot.drives().ok();
-        share(
-            greatest,
-            limits.map(|drives| drives.map(|d| d.peak_current)),
-        )
+        let why = match (self.stopped, faults.as_slice(), &verdict.why) {
+            _ if verdict.drawn => {
+                let [worst, allowed] =
+                    [verdict.worst_m, verdict.tolerance_m].map(|length| quantity(length, "m"));
+                let steps = match self.summary.lost_steps {
+                    Some([0, 0]) => " No step was lost.",
+                    _ => "",
+                };
+                return format!(
+                    "Drawn: the tip was {worst} from its place at most while the tool was down, and {allowed} are \
+                     allowed.{steps} All figures below are of the simulated arm itself, not of the controller's estimates."
+                );
+            }
+            (Some(stopped), ..) => stopped.to_owned(),
+            (None, [], Some(why)) => format!("{why}."),
+            _ => format!("The run ended with a fault: {}.", faults.join(", ")),
+        };
+        format!("Not drawn. {why}{unbegun}")
     }
 
     fn add_errors(&self, page: &mut Page) {
@@ -160,11 +151,11 @@ impl RunReport<'_> {
             row("real time", quantity(summary.wall_s, "s")),
             row("speed", format!("{}× real time", summary.speed())),
             row("ticks", summary.ticks.to_string()),
-            row(
-                "ticks with a limited torque",
-                summary.saturated_ticks.to_string(),
-            ),
         ];
+        if self.limits_torques() {
+            let ticks = summary.saturated_ticks.to_string();
+            rows.push(row("ticks with a limited torque", ticks));
+        }
         for (joint, torque) in Joint::ALL.into_iter().zip(summary.peak_torque_nm) {
             rows.push(row(
                 &format!("peak torque, {joint}"),
@@ -188,16 +179,6 @@ impl RunReport<'_> {
     /// sample counts.
     fn draws(&self, sample: &Sample) -> bool {
         self.job.is_none() || sample.tool_level > 0.0
-    }
-}
-
-/// The greater share of a limit, one of each joint; "–" where there is none.
-fn share(values: [f64; 2], limits: Option<[f64; 2]>) -> String {
-    let shares = limits.map(|limits| [0, 1].map(|joint| values[joint] / limits[joint]));
-    let greatest = shares.map(|[one, four]| one.max(four));
-    match greatest.filter(|share| share.is_finite()) {
-        Some(share) => format!("{:.0} %", 100.0 * share),
-        None => "–".into(),
     }
 }
 

@@ -5,7 +5,7 @@ use super::shares::ShareModel;
 use fivebar_files::job::{Job, Placement};
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_kinematics::PlanarVector;
-use fivebar_sim::simulation::{Sample, Summary, TipError, Trace};
+use fivebar_sim::simulation::{Sample, Summary, TipError, Trace, Verdict};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
@@ -64,6 +64,12 @@ fn summary(rms_m: f64) -> Summary {
         scenario: "circle".into(),
         simulated_s: 2.0,
         wall_s: 0.05,
+        verdict: Verdict {
+            drawn: true,
+            worst_m: rms_m,
+            tolerance_m: 1e-3,
+            why: None,
+        },
         tip_error: TipError {
             rms_m,
             max_m: rms_m,
@@ -97,6 +103,7 @@ fn shows_the_whole_run_in_one_small_offline_page() {
     assert!(html.len() < 2_000_000, "{} bytes", html.len());
     for part in [
         "benchtop draws circle",
+        "Drawn: the tip was 20.0 µm from its place at most while the tool was down, and 1.00 mm are allowed.",
         "20.0 µm",
         "10.0 times as large",
         "40× real time",
@@ -155,6 +162,7 @@ fn a_run_that_ends_before_its_job_begins_shows_no_motion() {
     let robot = robot();
     let empty = Summary {
         faults: vec!["over-current".into()],
+        verdict: Verdict::default(),
         ..summary(0.0)
     };
     let report = RunReport {

@@ -28,6 +28,12 @@ pub enum AccuracyStudyError {
         "line {0} changes the working mode, and the analysis is of one mode: analyse the parts"
     )]
     ChangeOfMode(u32),
+    /// The tool is beside C, and the analysis is of C.
+    #[error(
+        "the tool is beside C (`offset` of [tool]), and the analysis is of C: leave the offset out of the robot file, and give \
+         the path of C"
+    )]
+    ToolOffset,
     /// The job has no path.
     #[error("the job has no path: add a motion after its first point")]
     NoPath,

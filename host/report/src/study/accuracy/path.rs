@@ -54,12 +54,15 @@ pub struct PathAccuracy {
 /// and without ramps at corners.
 ///
 /// # Errors
-/// `Line` with the first line that cannot be analysed, `NoPath`.
+/// `Line` with the first line that cannot be analysed, `NoPath`, `ToolOffset`.
 pub fn path_accuracy(
     robot: &Robot,
     job: &Job,
     force: Vector2<f64>,
 ) -> Result<PathAccuracy, AccuracyStudyError> {
+    if robot.tool.offset != [0.0; 2] {
+        return Err(AccuracyStudyError::ToolOffset);
+    }
     let mut pieces = Vec::new();
     let mut from: Option<Vector2<f64>> = None;
     for step in &job.steps {

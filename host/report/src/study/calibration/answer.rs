@@ -1,6 +1,7 @@
 //! Calibrations and proposed poses as JSON.
 
-use super::{CalibrationStudy, ProposalStudy, micrometres};
+use super::{CalibrationStudy, ProposalStudy, known, micrometres, turned_plate, worse_or_better};
+use fivebar_design::calibration::Criterion;
 use fivebar_files::robot::Robot;
 use serde_json::{Value, json};
 
@@ -22,6 +23,9 @@ pub fn answer(robot: &Robot, study: &CalibrationStudy) -> Value {
         "residual_rms_m": found.residual_rms,
         "leave_out_rms_m": found.leave_out_rms,
         "rejected": rejected,
+        "sigma_scale": found.sigma_scale,
+        "degrees_of_freedom": known(found.freedom),
+        "coverage_factor_95": found.coverage_factor,
         "rank": found.rank,
         "condition": found.condition,
         "nominal_rms_m": found.nominal_rms,
@@ -44,20 +48,24 @@ pub fn warnings(robot: &Robot, study: &CalibrationStudy) -> Vec<String> {
     };
     let mut warnings = Vec::new();
     if !found.rejected.is_empty() {
-        warnings.push(format!(
-            "rows {} are farther than {} (4 σ) from the fit: check these holes",
-            rows(&found.rejected),
-            micrometres(4.0 * study.sigma)
-        ));
+        let rows = rows(&found.rejected);
+        warnings.push(match study.criterion {
+            Criterion::Huber => format!(
+                "rows {rows} are left out: the others contradict them (of sound plates, one in a hundred loses \
+                 a row); check these holes"
+            ),
+            Criterion::LeastSquares => format!(
+                "rows {rows} are farther than {} (4 σ) from the fit, and used: check these holes",
+                micrometres(4.0 * study.sigma)
+            ),
+        });
     }
-    if found.residual_rms > 2.0 * study.sigma {
-        warnings.push(format!(
-            "the residuals of {} are well above the holes' standard deviation of {}: joint play, \
-             encoder errors or a worse plate; give the plate's own with --sigma",
-            micrometres(found.residual_rms),
-            micrometres(study.sigma)
-        ));
-    }
+    warnings.extend(worse_or_better(
+        "plate",
+        study.sigma,
+        found.sigma_scale,
+        study.criterion,
+    ));
     if !found.other_elbows.is_empty() {
         warnings.push(format!(
             "rows {} were measured with other elbows than the rest",
@@ -69,7 +77,7 @@ pub fn warnings(robot: &Robot, study: &CalibrationStudy) -> Vec<String> {
     }
     let lengths = found.parameters.lengths.iter();
     for (index, (found, nominal)) in lengths.zip(robot.geometry.lengths()).enumerate() {
-        if (found / nominal - 1.0).abs() > 0.05 {
+        if (found - nominal).abs() > 0.05 * nominal {
             let part = ["l1", "l2", "l3", "l4", "the base"][index];
             warnings.push(format!(
                 "{part} is {} in place of {}: are the points of this arm?",
@@ -78,6 +86,7 @@ pub fn warnings(robot: &Robot, study: &CalibrationStudy) -> Vec<String> {
             ));
         }
     }
+    warnings.extend(turned_plate(robot, &found.parameters));
     if robot.tool.offset != [0.0; 2] {
         warnings.push(
             "the robot file has a [tool] offset: the points must be those of C, the joint of links \

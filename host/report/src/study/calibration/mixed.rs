@@ -1,6 +1,9 @@
 //! Calibration of a robot from measurements of several kinds.
 
-use super::{StudyError, bare_workspace, counts_per_turn, encoder_angle};
+use super::{
+    StudyError, bare_workspace, counts_per_turn, encoder_angle, known, micrometres, turned_plate,
+    worse_or_better,
+};
 use fivebar_design::calibration::{
     Bar, Criterion, Deviations, HoleTouch, Measurements, MixedCalibration, PhotoPoint, TipError,
     Touch, calibrate_mixed, tip_error, tip_error_before, tip_error_best_placed,
@@ -32,6 +35,7 @@ pub struct MixedStudy {
     /// The expected error of the tip over the workspace; without a plate after the best placement.
     pub tip_error: Option<TipError>,
     deviations: Deviations,
+    criterion: Criterion,
 }
 
 /// Calibrates a robot.
@@ -95,6 +99,7 @@ pub fn calibrate_robot_mixed(
         before: tip_error_before(p, &bare_workspace(robot, robot.geometry.lengths())?, &home),
         calibration,
         deviations,
+        criterion,
     })
 }
 
@@ -111,6 +116,8 @@ pub fn mixed_answer(robot: &Robot, study: &MixedStudy) -> Value {
             "sigma_m": sigma_of(study, &kind.kind),
             "residual_rms_m": kind.residual_rms,
             "rejected": rejected,
+            "sigma_scale": kind.sigma_scale,
+            "degrees_of_freedom": known(kind.freedom),
         })
     });
     let placed = |value: Value| if found.placed { value } else { Value::Null };
@@ -123,12 +130,13 @@ pub fn mixed_answer(robot: &Robot, study: &MixedStudy) -> Value {
         "placement": placed(json!({ "x": p.origin[0], "y": p.origin[1], "phi": p.turn })),
         "placement_sd": placed(json!({ "x": sd(7), "y": sd(8), "phi": sd(9) })),
         "kinds": kinds.collect::<Vec<_>>(),
+        "coverage_factor_95": found.coverage_factor,
         "rank": found.rank,
         "condition": found.condition,
         "tip_error_before_rms_m": study.before.as_ref().map(|error| error.rms),
         "tip_error_rms_m": study.tip_error.as_ref().map(|error| error.rms),
         "tip_error_worst_m": study.tip_error.as_ref().map(|error| error.worst),
-        "warnings": mixed_warnings(study),
+        "warnings": mixed_warnings(robot, study),
     })
 }
 
@@ -142,8 +150,11 @@ fn sigma_of(study: &MixedStudy, kind: &str) -> f64 {
 }
 
 /// What a user should look at, as sentences.
-pub fn mixed_warnings(study: &MixedStudy) -> Vec<String> {
+pub fn mixed_warnings(robot: &Robot, study: &MixedStudy) -> Vec<String> {
     let mut warnings = Vec::new();
+    if study.calibration.placed {
+        warnings.extend(turned_plate(robot, &study.calibration.parameters));
+    }
     let excess = study.calibration.excess;
     if excess < 5 {
         warnings.push(format!(
@@ -155,19 +166,23 @@ pub fn mixed_warnings(study: &MixedStudy) -> Vec<String> {
         let (name, sigma) = (&kind.kind, sigma_of(study, &kind.kind));
         if !kind.rejected.is_empty() {
             let rows = kind.rejected.iter().map(|index| (index + 1).to_string());
-            warnings.push(format!(
-                "{name}: rows {} are farther than {} (4 σ) from the fit",
-                rows.collect::<Vec<_>>().join(", "),
-                super::micrometres(4.0 * sigma)
-            ));
+            let rows = rows.collect::<Vec<_>>().join(", ");
+            warnings.push(match study.criterion {
+                Criterion::Huber => {
+                    format!("{name}: rows {rows} are left out, because the others contradict them")
+                }
+                Criterion::LeastSquares => format!(
+                    "{name}: rows {rows} are farther than {} (4 σ) from the fit, and used",
+                    micrometres(4.0 * sigma)
+                ),
+            });
         }
-        if kind.residual_rms > 2.0 * sigma {
-            warnings.push(format!(
-                "{name}: residuals of {} are well above the stated {}",
-                super::micrometres(kind.residual_rms),
-                super::micrometres(sigma)
-            ));
-        }
+        warnings.extend(worse_or_better(
+            name,
+            sigma,
+            kind.sigma_scale,
+            study.criterion,
+        ));
     }
     warnings
 }

@@ -8,10 +8,10 @@ pub use mixed::{MixedStudy, Rows, calibrate_robot_mixed, mixed_answer, mixed_war
 
 use fivebar_design::calibration::{
     Calibration, CalibrationError, Criterion, Parameters, Plate, Proposal, TipError, Touch,
-    calibrate, propose, tip_error, tip_error_before,
+    Unknowns, calibrate, propose, tip_error, tip_error_before,
 };
 use fivebar_files::robot::{HomeError, Measured, MeasuredKey, Robot, WorkspaceError};
-use fivebar_kinematics::five_bar::{Geometry, GeometryError, Tool, Workspace};
+use fivebar_kinematics::five_bar::{Geometry, GeometryError, Joint, Tool, Workspace};
 use nalgebra::{SMatrix, Vector2};
 use std::f64::consts::TAU;
 
@@ -54,8 +54,10 @@ pub struct CalibrationStudy {
     pub before: Option<TipError>,
     /// The expected error of the tip over the workspace.
     pub tip_error: Option<TipError>,
-    /// σ of the holes [m].
+    /// σ of the holes as stated [m].
     pub sigma: f64,
+    /// What was made least.
+    pub criterion: Criterion,
 }
 
 /// Calibrates a robot from rows of counts1, counts4, x, y.
@@ -97,6 +99,7 @@ pub fn calibrate_robot(
         calibration,
         tip_error,
         sigma,
+        criterion,
     })
 }
 
@@ -161,8 +164,8 @@ pub fn propose_poses(robot: &Robot, count: usize, sigma: f64) -> Result<Proposal
     })
 }
 
-/// The values of the robot file that follow from a calibration: lengths, base, and the angles at
-/// the home switches, which take up the joint offsets.
+/// The values of the robot file that follow from a calibration: lengths, the base unless it is 0, and the angles at
+/// the home switches, which take up the joint offsets; of servos also those at the middle of their widths.
 pub fn measured(robot: &Robot, p: &Parameters, covariance: &SMatrix<f64, 10, 10>) -> Vec<Measured> {
     let sd = |index: usize| covariance[(index, index)].sqrt();
     let length = |key, index: usize| Measured {
@@ -173,21 +176,83 @@ pub fn measured(robot: &Robot, p: &Parameters, covariance: &SMatrix<f64, 10, 10>
     let mut values: Vec<Measured> = (0..4)
         .map(|link| length(MeasuredKey::Link(link, "length"), link))
         .collect();
-    values.push(length(MeasuredKey::Base, 4));
+    let unknowns = Unknowns::of(robot.geometry.lengths());
+    if unknowns.is_free(4) {
+        values.push(length(MeasuredKey::Base, 4));
+    }
+    let angle = |index: usize| match sd(index) {
+        0.0 => "held".into(),
+        sd => format!("± {:.0}", 1e6 * sd),
+    };
     let [home1, home4] = robot.home;
     values.push(Measured {
         key: MeasuredKey::Home,
         value: format!("[{:.9}, {:.9}]", home1 + p.offsets[0], home4 + p.offsets[1]),
-        origin: format!(
-            "± {:.0} and ± {:.0} µrad by calibration",
-            1e6 * sd(5),
-            1e6 * sd(6)
-        ),
+        origin: format!("{} and {} µrad by calibration", angle(5), angle(6)),
     });
+    // A servo's angle follows from its pulse: what is an offset of home is one of every width.
+    let middles = robot.middle_angles().into_iter();
+    let middles = middles.flat_map(|middles| Joint::ALL.map(|joint| (joint, middles[joint])));
+    values.extend(middles.map(|(joint, middle)| Measured {
+        key: MeasuredKey::Actuator(joint, "middle_angle"),
+        value: format!("{:.9}", middle + p.offsets[joint]),
+        origin: format!("± {:.0} µrad by calibration", 1e6 * sd(5 + joint.index())),
+    }));
     values
+}
+
+/// Degrees of freedom; none where they are infinite.
+fn known(freedom: f64) -> Option<f64> {
+    freedom.is_finite().then_some(freedom)
+}
+
+/// That measurements scatter otherwise than stated, as a sentence; none if they do not.
+fn worse_or_better(kind: &str, sigma: f64, scale: f64, criterion: Criterion) -> Option<String> {
+    if scale == 1.0 {
+        return None;
+    }
+    let option = match kind {
+        "plate" => "--sigma",
+        "bars" => "--bar-sigma",
+        "holes" => "--hole-sigma",
+        _ => "--photo-sigma",
+    };
+    let why = if scale > 1.0 {
+        "this table is worse than stated, or the arm has joint play or errors of its encoders"
+    } else {
+        "this table is better than stated"
+    };
+    let used = match criterion {
+        Criterion::Huber => "the deviations are of what the residuals show",
+        Criterion::LeastSquares => {
+            "with --plain the deviations are of what was stated all the same"
+        }
+    };
+    Some(format!(
+        "{kind}: the residuals are those of a standard deviation of {}, {scale:.2} times the stated {}: {why}; \
+         {used}; state it with {option}",
+        micrometres(scale * sigma),
+        micrometres(sigma)
+    ))
 }
 
 /// A length as text.
 fn micrometres(metres: f64) -> String {
     format!("{:.1} µm", 1e6 * metres)
+}
+
+/// The mean of both offsets from which a plate under an arm without a base is likely to lie turned [rad].
+const TURNED: f64 = 0.1;
+
+/// That a plate may lie turned under an arm without a base, as a sentence; none if both zeros are about where they were.
+fn turned_plate(robot: &Robot, p: &Parameters) -> Option<String> {
+    let together = 0.5 * (p.offsets[0] + p.offsets[1]);
+    let is_turned = robot.geometry.lengths()[4] == 0.0 && together.abs() > TURNED;
+    is_turned.then(|| {
+        format!(
+            "both joints' zeros are off by {:.1}° on the mean: with both hips about one axis a plate that lies turned \
+             against the arm shows the same, and the arm would draw turned by it; lay the plate's x axis along the arm's",
+            together.to_degrees()
+        )
+    })
 }

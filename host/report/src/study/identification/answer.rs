@@ -28,6 +28,8 @@ pub fn answer(robot: &Robot, rows: usize, found: &Identification) -> Value {
         "condition": found.condition,
         "torque_residual_rms_nm": found.residual_rms,
         "unexplained_share": found.residual_share,
+        "coverage_factor_95": found.coverage_factor,
+        "left_out_share": found.left_out,
     })
 }
 

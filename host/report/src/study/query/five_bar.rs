@@ -8,6 +8,36 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+/// The keys of queries and of their answers, so that a reference state, which has both and the number of its robot, can be
+/// asked as it is.
+pub const KEYS: [&str; 25] = [
+    "op",
+    "robot",
+    "theta1",
+    "theta4",
+    "omega1",
+    "omega4",
+    "alpha1",
+    "alpha4",
+    "assembly",
+    "elbow1",
+    "elbow4",
+    "external_force",
+    "torque",
+    "c",
+    "c_velocity",
+    "c_acceleration",
+    "theta2",
+    "theta3",
+    "omega2",
+    "omega3",
+    "alpha2",
+    "alpha3",
+    "mass_matrix",
+    "bias_torque",
+    "reaction",
+];
+
 /// A query. SI units, absolute angles; C is the point where links 2 and 3 meet.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "snake_case")]

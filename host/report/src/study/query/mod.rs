@@ -6,6 +6,7 @@
 pub mod five_bar;
 pub mod slider;
 
+use fivebar_files::did_you_mean;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -44,18 +45,19 @@ impl QueryError {
 }
 
 /// Answers every line of `input` on `output` as soon as it is read, until one of them ends. A
-/// query without an answer gets an error on its line, and the next line is read.
+/// query without an answer gets an error on its line, and the next line is read. `keys` are all that a query may have.
 ///
 /// # Errors
 /// Reading or writing fails. A closed `output` is no error.
 pub fn serve<Query: DeserializeOwned>(
     mut input: impl BufRead,
     mut output: impl Write,
+    keys: &[&str],
     answer: impl Fn(Query) -> Result<Value, QueryError>,
 ) -> io::Result<()> {
     let mut line = Vec::new();
     while input.read_until(b'\n', &mut line)? > 0 {
-        let reply = parse(&line)
+        let reply = parse(&line, keys)
             .and_then(&answer)
             .and_then(finite)
             .unwrap_or_else(|refusal| serde_json::json!(refusal));
@@ -70,7 +72,15 @@ pub fn serve<Query: DeserializeOwned>(
 }
 
 /// The query on a line.
-fn parse<Query: DeserializeOwned>(line: &[u8]) -> Result<Query, QueryError> {
+fn parse<Query: DeserializeOwned>(line: &[u8], keys: &[&str]) -> Result<Query, QueryError> {
+    if let Ok(Value::Object(fields)) = serde_json::from_slice(line)
+        && let Some(unknown) = fields.keys().find(|key| !keys.contains(&key.as_str()))
+    {
+        let meant = did_you_mean(unknown, keys.iter().copied());
+        return Err(QueryError::invalid(format_args!(
+            "unknown key `{unknown}`{meant}"
+        )));
+    }
     let read = serde_json::from_slice(line);
     // The reader takes a list for an object without its keys.
     if read.is_ok() && line.trim_ascii_start().starts_with(b"[") {
@@ -133,7 +143,7 @@ mod tests {
 
     fn lines(input: &[u8]) -> Vec<Value> {
         let mut output = Vec::new();
-        serve(input, &mut output, |number: f64| {
+        serve(input, &mut output, &[], |number: f64| {
             Ok(serde_json::json!({ "twice": 2.0 * number }))
         })
         .unwrap();
@@ -160,7 +170,13 @@ mod tests {
     fn json_that_is_no_object_is_refused_by_its_kind() {
         let mut output = Vec::new();
         let answer = |_: std::collections::BTreeMap<String, f64>| Ok(Value::Bool(true));
-        serve(&b"[1]\n\"forward\"\n7\nnull\n{}\n"[..], &mut output, answer).unwrap();
+        serve(
+            &b"[1]\n\"forward\"\n7\nnull\n{}\n"[..],
+            &mut output,
+            &[],
+            answer,
+        )
+        .unwrap();
         let text = String::from_utf8(output).unwrap();
         for (line, given) in text.lines().zip(["a list", "a string", "a number", "null"]) {
             assert!(line.contains("a query is a JSON object") && line.contains(given));
@@ -180,6 +196,6 @@ mod tests {
             }
         }
         let answer = |number: f64| Ok(serde_json::json!(number));
-        assert!(serve(&b"1\n2\n"[..], Closed, answer).is_ok());
+        assert!(serve(&b"1\n2\n"[..], Closed, &[], answer).is_ok());
     }
 }

@@ -10,6 +10,30 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+/// The keys of queries and of the answers about positions and motion, so that an answer can be asked again.
+pub const KEYS: [&str; 20] = [
+    "op",
+    "x2",
+    "x8",
+    "assembly",
+    "p",
+    "left",
+    "right",
+    "x2_velocity",
+    "x8_velocity",
+    "x2_acceleration",
+    "x8_acceleration",
+    "p_velocity",
+    "p_acceleration",
+    "y",
+    "alpha3",
+    "alpha7",
+    "alpha3_rate",
+    "alpha7_rate",
+    "alpha3_acceleration",
+    "alpha7_acceleration",
+];
+
 /// A query. SI units; P is the middle of the platform.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "snake_case")]

@@ -77,6 +77,8 @@ pub(crate) struct Tim1 {
     trigger: u32,
     /// The next match of a channel's compare value, where a trigger starts the counter anew.
     edge_at: Time,
+    /// A debugger halts the core, and the counter stops with it.
+    halted: bool,
 }
 
 /// The slave mode in which a trigger starts the counter anew.
@@ -130,6 +132,7 @@ impl Tim1 {
             break_active: false,
             trigger,
             edge_at: NEVER,
+            halted: false,
         }
     }
 
@@ -144,7 +147,14 @@ impl Tim1 {
     }
 
     fn runs(&self) -> bool {
-        self.cr1.bit(0)
+        self.cr1.bit(0) && !self.halted
+    }
+
+    /// The counter stops, with its outputs off, or goes on.
+    pub(crate) fn halt(&mut self, halts: bool, now: Time) {
+        self.rebase(now);
+        self.halted = halts;
+        self.plan();
     }
 
     fn count_time(&self) -> Time {
@@ -221,7 +231,7 @@ impl Tim1 {
 
     /// TIM4's trigger: in its slave mode, the counter starts anew, with an update whatever the repetition counter is.
     pub(crate) fn restart(&mut self, at: Time) {
-        if self.is_restarted() && self.smcr.field(4, 3) == self.trigger {
+        if !self.halted && self.is_restarted() && self.smcr.field(4, 3) == self.trigger {
             (self.phase, self.since) = (0, at);
             self.update(true);
             self.plan();
@@ -332,7 +342,7 @@ impl Tim1 {
         if !self.ccer.bit(bit) {
             return Output::Released;
         }
-        if !self.bdtr.bit(MOE) {
+        if !self.bdtr.bit(MOE) || self.halted {
             let idle = self.cr2.bit(8 + 2 * channel as u32);
             return if self.bdtr.bit(10) {
                 Output::Idle(idle)

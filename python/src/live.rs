@@ -1,0 +1,301 @@
+//! A controller that a program commands call by call.
+
+use crate::error;
+use crate::robot::Robot;
+use crate::simulation::Scenario;
+use fivebar_files::scenario::place_in_job;
+use fivebar_firmware::Status;
+use fivebar_firmware::safety::Fault;
+use fivebar_report::text::next_step;
+use fivebar_sim::controller::{ControllerSource, sentence};
+use fivebar_sim::drive::{DriveError, Homing};
+use fivebar_sim::link::Emulator;
+use fivebar_sim::live::{LiveArm, LiveError, Pace, Pending};
+use fivebar_sim::machine::{Machine, Signal};
+use fivebar_sim::simulation::fault_name;
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process;
+use std::time::Duration;
+
+/// Time between two looks at signals and at the progress.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A connection to a controller.
+#[pyclass(frozen, module = "fivebar._native")]
+pub(crate) struct Connection {
+    arm: LiveArm,
+    machine: Machine,
+    /// The process that has its thread: a child that `fork` made has none.
+    process: u32,
+}
+
+/// What a call does with its progress: it is called with the moves taken, all moves and the line; and at a pause with
+/// its text.
+type Watchers = (Option<Py<PyAny>>, Option<Py<PyAny>>);
+
+#[pymethods]
+impl Connection {
+    /// Opens the controller: "simulated", "emulated" or the name of a port.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        robot: &Robot,
+        to: &str,
+        image: Option<PathBuf>,
+        upload: bool,
+        real_time: bool,
+    ) -> PyResult<Self> {
+        let robot = &robot.described;
+        let machine = Machine::of(robot.drive_kind());
+        let image = image.unwrap_or_else(|| Emulator::built_image(machine.emulated));
+        let source = match to {
+            "simulated" => ControllerSource::Simulated,
+            "emulated" => ControllerSource::Emulated(&image),
+            name => ControllerSource::Port { name, upload },
+        };
+        let pace = match real_time {
+            true => Pace::RealTime,
+            false => Pace::AsFastAsPossible,
+        };
+        let arm = py.detach(|| LiveArm::open(robot, source, pace));
+        Ok(Self {
+            arm: arm.map_err(|refusal| error::controller(py, refusal))?,
+            machine,
+            process: process::id(),
+        })
+    }
+
+    /// Where the controller runs.
+    #[getter]
+    fn place(&self) -> &str {
+        self.arm.place()
+    }
+
+    /// What is known of the arm, as JSON.
+    fn state(&self) -> String {
+        let progress = self.arm.progress();
+        let mut state = self.described(&progress.status);
+        state["moves_taken"] = progress.taken.into();
+        state["moves"] = progress.moves.into();
+        state["pause"] = progress.pause.into();
+        state.to_string()
+    }
+
+    /// Homes; at these angles [rad] if the arm was turned there by hand.
+    fn home(&self, py: Python<'_>, at: Option<[f64; 2]>, again: bool) -> PyResult<()> {
+        let homing = match at {
+            Some(angles) => Homing::At(angles.map(|angle| angle as f32)),
+            None if again => Homing::Always,
+            None => Homing::IfUnknown,
+        };
+        self.call(py, (None, None), |arm| arm.home(homing))
+    }
+
+    fn motors_on(&self, py: Python<'_>) -> PyResult<()> {
+        self.call(py, (None, None), LiveArm::motors_on)
+    }
+
+    fn motors_off(&self, py: Python<'_>) -> PyResult<()> {
+        self.call(py, (None, None), LiveArm::motors_off)
+    }
+
+    fn clear_fault(&self, py: Python<'_>) -> PyResult<()> {
+        self.call(py, (None, None), LiveArm::clear_fault)
+    }
+
+    /// Moves the tool straight to a point [m] with at most this speed [m/s].
+    fn move_to(&self, py: Python<'_>, to: [f64; 2], speed: f64) -> PyResult<()> {
+        let to = to.map(|x| x as f32);
+        self.call(py, (None, None), |arm| arm.move_to(to, speed as f32))
+    }
+
+    /// Turns the joints to angles [rad] with this share of their greatest speed.
+    fn move_joints(&self, py: Python<'_>, to: [f64; 2], speed: f64) -> PyResult<()> {
+        let to = to.map(|x| x as f32);
+        self.call(py, (None, None), |arm| arm.move_joints(to, speed as f32))
+    }
+
+    /// Puts the tool at a level, 0 (up or off) to 1.
+    fn set_tool(&self, py: Python<'_>, level: f64) -> PyResult<()> {
+        self.call(py, (None, None), |arm| arm.set_tool(level as f32))
+    }
+
+    /// Draws a job.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "they are those of the Python method"
+    )]
+    fn draw(
+        &self,
+        py: Python<'_>,
+        scenario: &Scenario,
+        origin: Option<[f64; 2]>,
+        scale: Option<f64>,
+        progress: Option<Py<PyAny>>,
+        on_pause: Option<Py<PyAny>>,
+    ) -> PyResult<Vec<String>> {
+        let mut scenario = scenario.described.clone();
+        scenario.origin = origin.or(scenario.origin);
+        scenario.scale = scale.unwrap_or(scenario.scale);
+        let job = py.detach(|| scenario.job());
+        let job = job.map_err(|refusal| error::scenario(py, refusal))?;
+        if let (None, Some(stop)) = (&on_pause, job.stops.first()) {
+            let reason = format!(
+                "{}, line {}: the job waits for its user ({stop}); give `on_pause`",
+                scenario.job_file, stop.line
+            );
+            return Err(error::job(py, reason, stop.line));
+        }
+        self.call(py, (progress, on_pause), |arm| arm.draw(&scenario, &job))?;
+        Ok(job.warnings.iter().map(ToString::to_string).collect())
+    }
+
+    /// Ends the present call at rest on its path.
+    fn stop(&self, py: Python<'_>) -> PyResult<()> {
+        self.here(py)?;
+        py.detach(|| self.arm.stop());
+        Ok(())
+    }
+
+    /// Switches the motors off at once.
+    fn emergency_stop(&self, py: Python<'_>) -> PyResult<()> {
+        self.here(py)?;
+        let done = py.detach(|| self.arm.emergency_stop());
+        done.map_err(|refusal| refused(py, refusal))
+    }
+
+    /// Brings the arm to rest, switches its motors off and ends the connection.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        // The arm is its parent's.
+        if self.process != process::id() {
+            return Ok(());
+        }
+        let done = py.detach(|| self.arm.close());
+        done.map_err(|refusal| refused(py, refusal))
+    }
+}
+
+impl Connection {
+    /// Does a call and waits for its end. A signal or an error of a watcher stops it.
+    fn call(
+        &self,
+        py: Python<'_>,
+        (progress, on_pause): Watchers,
+        begin: impl FnOnce(&LiveArm) -> Result<Pending, LiveError> + Send,
+    ) -> PyResult<()> {
+        self.here(py)?;
+        let pending = py.detach(|| begin(&self.arm));
+        let mut pending = pending.map_err(|refusal| refused(py, refusal))?;
+        loop {
+            // One thread at a time waits for the answer: what waits goes there and back.
+            let answer;
+            (pending, answer) = py.detach(move || {
+                let answer = pending.wait(LOOK);
+                (pending, answer)
+            });
+            if let Some(answer) = answer {
+                return answer.map_err(|refusal| refused(py, refusal));
+            }
+            let watched = py
+                .check_signals()
+                .and_then(|()| self.tell(py, progress.as_ref(), on_pause.as_ref()));
+            if let Err(error) = watched {
+                py.detach(|| self.arm.stop());
+                return Err(error);
+            }
+        }
+    }
+
+    /// Tells of the progress, and of a pause.
+    fn tell(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Py<PyAny>>,
+        on_pause: Option<&Py<PyAny>>,
+    ) -> PyResult<()> {
+        let now = self.arm.progress();
+        if let Some(progress) = progress {
+            progress.call1(py, (now.taken, now.moves, now.status.tag))?;
+        }
+        if let (Some(on_pause), Some(text)) = (on_pause, now.pause) {
+            on_pause.call1(py, (text,))?;
+            self.arm.go_on();
+        }
+        Ok(())
+    }
+
+    /// Refuses a process that has not the connection's thread.
+    fn here(&self, py: Python<'_>) -> PyResult<()> {
+        match self.process == process::id() {
+            true => Ok(()),
+            false => Err(error::controller(
+                py,
+                "the connection belongs to the process that made it: connect in this one",
+            )),
+        }
+    }
+
+    fn described(&self, status: &Status) -> Value {
+        let pair = |values: [f32; 2]| json!(values.map(f64::from));
+        let shown = |signal: Signal, value: Value| match self.machine.shows.contains(&signal) {
+            true => value,
+            false => Value::Null,
+        };
+        let rate = self.arm.robot().control.tick_rate;
+        json!({
+            "state": format!("{:?}", status.state),
+            "fault": status.fault.map(fault_name),
+            "fault_number": status.fault.map(Fault::number),
+            "homed": status.homed,
+            "tool": status.tool.filter(|_| status.homed).map(pair),
+            "theta": status.homed.then(|| pair(status.angle)),
+            "omega": pair(status.velocity),
+            "line": status.tag,
+            "tool_level": f64::from(status.tool_level),
+            "time": f64::from(status.tick) / rate,
+            "missed_ticks": status.missed_ticks,
+            "torque": shown(Signal::Torque, pair(status.torque)),
+            "current": shown(Signal::Current, pair(status.current)),
+            "bus_voltage": shown(Signal::BusVoltage, json!(f64::from(status.bus_voltage))),
+        })
+    }
+}
+
+/// A refused or ended call as an exception.
+fn refused(py: Python<'_>, refusal: LiveError) -> PyErr {
+    match refusal {
+        LiveError::Drive(DriveError::Fault(fault)) => {
+            let message = format!(
+                "the controller stopped the arm with fault {}, {}. {}",
+                fault.number(),
+                fault_name(fault),
+                next_step(fault)
+            );
+            error::fault(py, message, &fault_name(fault), fault.number())
+        }
+        LiveError::Drive(DriveError::Stopped(line)) => {
+            let place = line.filter(|line| *line > 0);
+            let place = place.map_or_else(String::new, |line| format!(" on line {line}"));
+            error::stopped_by_user(py, format!("stopped{place}; the arm rests"), line)
+        }
+        LiveError::Drive(DriveError::Move(refusal)) => {
+            let place = place_in_job(false, refusal.tag);
+            error::refused_move(
+                py,
+                format!("{place}: {refusal}"),
+                refusal.tag,
+                refusal.point,
+            )
+        }
+        LiveError::Drive(DriveError::ModeChange(refusal)) => {
+            error::job(py, refusal.to_string(), refusal.line)
+        }
+        LiveError::Drive(DriveError::Refused { what, error }) => {
+            let message = format!("the controller refuses to {what}: {}", sentence(&error));
+            error::controller(py, message)
+        }
+        other => error::controller(py, other),
+    }
+}
