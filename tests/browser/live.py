@@ -108,6 +108,7 @@ class Page:
         self.browser = browser
         browser.open(url)
         self.tab = browser.tab()
+        self.next_click = 0.0
         browser.wait("the connection", lambda: self.state() not in ("", "offline"))
 
     def show(self):
@@ -143,8 +144,13 @@ class Page:
         self.browser.wait("rest", self.at_rest)
 
     def ask(self, selector):
-        """Clicks, and again if the page shows that its connection was lost just then."""
+        """Clicks, and again if the page shows that its connection was lost just then.
+
+        It comes a pause after the click before: what follows sooner in the same place, the page takes for a double click.
+        """
+        time.sleep(max(0.0, self.next_click - time.monotonic()))
         self.browser.click(selector)
+        self.next_click = time.monotonic() + PAUSE
         while "Not sent" in self.browser.text("#notice"):
             self.browser.wait("the connection", lambda: self.state() != "offline")
             self.browser.click(selector)
@@ -191,6 +197,6 @@ class Page:
     def recover(self):
         self.request("clear_fault")
         self.wait_for("Stopped")
-        time.sleep(PAUSE)
+        time.sleep(PAUSE)  # from when the page shows it
         self.request("arm")
         self.wait_for("Armed")
