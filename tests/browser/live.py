@@ -146,7 +146,7 @@ class Page:
     def ask(self, selector):
         """Clicks, and again if the page shows that its connection was lost just then.
 
-        It comes a pause after the click before: what follows sooner in the same place, the page takes for a double click.
+        It comes a pause after the click before: sooner, and in the same place, the page takes it for a double click.
         """
         time.sleep(max(0.0, self.next_click - time.monotonic()))
         self.browser.click(selector)
