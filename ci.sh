@@ -13,10 +13,9 @@ export CARGO_INCREMENTAL=0
 
 format() { cargo fmt --all --check; }
 lint() {
-    cargo clippy --workspace --all-targets --quiet -- -D warnings
-    cargo clippy --package fivebar --test machine --quiet -- -D warnings
-    cargo clippy --workspace --all-targets --quiet \
-        --features fivebar-tests/emulator,fivebar/mcap,fivebar/png -- -D warnings
+    local features=("${with_features[@]}" --features fivebar-tests/emulator)
+    cargo clippy --workspace --all-targets --quiet "${features[@]}" -- -D warnings
+    cargo clippy --workspace --test machine --quiet "${features[@]}" -- -D warnings
 }
 docs() { scripts/docs.sh; }
 # Whether the mistakes that are seeded into the firmware, and the patch that adds a kind of drive, still find their places.
@@ -33,25 +32,22 @@ links() { scripts/links.py; }
 arrows() { scripts/arrows.py; }
 words() { scripts/words.sh; }
 file_lengths() { scripts/file-lengths.sh; }
-# What needs a feature of the program has a word in its name by which it is chosen.
-tests() {
-    cargo test
-    cargo test --package fivebar --package fivebar-report --features fivebar/mcap,fivebar/png -- mcap log image
-}
+tests() { cargo test "${with_features[@]}"; }
 # The rows of the documents' tables that `cargo test` leaves out, and the whole exploration of the controller. By name
 # only: a release needs them, a push does not.
 # The hostile files are also read in their full length, by the optimised readers that the program has, and a fifth kind of
 # drive is added to a copy of the sources.
 tables() {
-    cargo test -- --ignored whole_table
+    cargo test "${with_features[@]}" -- --ignored whole_table
     cargo test --release --package fivebar-files --test hostile -- --ignored
     cargo test --manifest-path verify/chip/Cargo.toml --test crystals -- --ignored whole_table
     scripts/fifth_kind.sh
 }
 # The program on a machine: these tests measure times, so nothing else runs beside them.
-machine() { cargo test --package fivebar --test machine; }
+machine() { cargo test "${with_features[@]}" --test machine; }
 # Each published crate as a package, compiled from its own archive. Each run takes a new target folder, because
 # cargo unpacks an archive once for each path and version: at a known path it would compile the crates of an older run.
+# Only here the program has no optional features: it names the one that a log needs.
 package() {
     mkdir -p "$built"
     local folder
@@ -59,6 +55,9 @@ package() {
     CARGO_TARGET_DIR=$folder CARGO_PROFILE_DEV_DEBUG=0 cargo package --quiet --allow-dirty --package fivebar-kinematics \
         --package fivebar-design --package fivebar-firmware --package fivebar-plant \
         --package fivebar-files --package fivebar-sim --package fivebar-report --package fivebar
+    local said
+    said=$("$folder/debug/fivebar" sim host/files/jobs/petal.gcode --out "$folder/out" --log "$folder/run.mcap" 2>&1) && return 1
+    [[ $said == *"--features mcap"* ]] && [ ! -e "$folder/out" ] || { echo "package: without mcap: $said" >&2; return 1; }
     rm -rf "$folder"
 }
 # A sample, which runs only by name, and on CI as a job of its own: it compiles a copy of the sources.
@@ -81,10 +80,11 @@ firmware() {
 chip() { scripts/chip.sh; }
 bring_up() { scripts/bring_up.sh; }
 emulated() {
-    cargo test --package fivebar-tests --features emulator \
+    local features=("${with_features[@]}" --features fivebar-tests/emulator)
+    cargo test "${features[@]}" \
         --test images --test instructions --test emulated_boards --test emulated_drives --test emulated_faults \
         --test emulated_homing --test emulated_live --test emulated_port --test production_image --test stack --test live_page
-    cargo test --package fivebar-tests --features emulator --test soak -- board:: replay::
+    cargo test "${features[@]}" --test soak -- board:: replay::
 }
 # Builds the fuzz targets and runs each over its committed inputs.
 fuzz() {
@@ -94,7 +94,7 @@ fuzz() {
     done
 }
 commands() { scripts/commands.sh; }
-demo() { cargo run --quiet -- --out "$built/demonstration"; }
+demo() { cargo run --quiet "${with_features[@]}" -- --out "$built/demonstration"; }
 
 all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated fuzz package machine bring_up senders)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They

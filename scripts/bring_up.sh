@@ -8,7 +8,7 @@ source scripts/target-dir.sh
 # The image's compiler is not these programs'.
 image=$(verify/chip/image.sh | tail -n 1)
 cargo build --quiet --manifest-path verify/chip/Cargo.toml --bin board
-cargo build --quiet --package fivebar
+build_program
 board=${CARGO_TARGET_DIR:-$PWD/verify/chip/target}/debug/board
 verify/chip/board_test.py "$board" "$image" "$built/debug/fivebar"
 verify/chip/bring_up.py "$board" "$image" "$built/debug/fivebar" --until dynamics

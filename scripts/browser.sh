@@ -23,13 +23,13 @@ if [ ! -e "$axe/node_modules/axe-core/axe.min.js" ]; then
     npm install --silent --no-save --prefix "$axe" axe-core@4.10.3
 fi
 scripts/browser_arm.sh
-cargo build --quiet --package fivebar-browser --example answer
+cargo build --quiet "${with_features[@]}" --example answer
 own_arm() { tests/browser/own_arm.py "$built/browser-arm" "$built/debug/examples/answer" "$@"; }
 if [ $# -gt 0 ]; then
-    cargo build --package fivebar --release
+    build_program --release
     own_arm --screenshots "$1"
     exec tests/browser/live_page.py "$built/release/fivebar" --screenshots "$1"
 fi
 own_arm
-cargo build --package fivebar
+build_program
 exec tests/browser/live_page.py "$built/debug/fivebar"

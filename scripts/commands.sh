@@ -144,7 +144,7 @@ run() {
     done < <(grep -oE -- '(--out|--log) [^ ]+' <<<"$command")
 }
 
-cargo build --quiet --package fivebar --features png,mcap
+build_program
 rm -rf "$scratch"
 mkdir -p "$scratch"
 ln -s "$root/host" "$scratch/host"

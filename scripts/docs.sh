@@ -6,13 +6,14 @@
 # units.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/target-dir.sh
 
 units='turns|1|pixels|greys|bytes|codes|cycles|KiB|µm|A²|m²|m³|Pa|A|H|Hz|MHz|J|K|N|V|W|kg|m|mm|rad|s|ticks|us|Ω'
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
 if ! RUSTDOCFLAGS="-D warnings --force-warn rustdoc::broken_intra_doc_links" \
-    cargo doc --workspace --no-deps 2>"$log"; then
+    cargo doc --workspace --no-deps "${with_features[@]}" 2>"$log"; then
     grep -A 8 '^error' "$log" >&2
     exit 1
 fi

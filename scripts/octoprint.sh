@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
 
-cargo build --quiet --package fivebar
+build_program
 venv=$built/octoprint-venv
 if ! "$venv/bin/octoprint" --version >/dev/null 2>&1; then
     python3 -m venv "$venv"

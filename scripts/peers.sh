@@ -13,7 +13,7 @@ if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros1, pinocchio, pydot, vp
 fi
 out=$built/peers
 mkdir -p "$out"
-fivebar() { cargo run --quiet --features mcap -- "$@"; }
+fivebar() { cargo run --quiet "${with_features[@]}" -- "$@"; }
 
 # A run of an arm without mismatch, and the arm as a model, in a folder of its own.
 run() {
@@ -37,5 +37,5 @@ fivebar export urdf usp_2dof --out "$out/arm.urdf"
     "$out/level" 1e-3 "$out/loaded" 1e-3 "$out/upright" 1.0435e-4
 "$venv/bin/python" tests/peers/mcap_counts.py "$out/level/run.mcap" "$out/level/trace.csv"
 "$venv/bin/python" tests/peers/dynamics.py "$built/debug/fivebar" "$out/dynamics"
-cargo build --quiet --package fivebar-files --example travel
+cargo build --quiet "${with_features[@]}" --example travel
 "$venv/bin/python" tests/peers/travel.py "$built/debug/examples/travel" "$venv/bin/vpype" "$out/travel"

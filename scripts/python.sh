@@ -11,7 +11,7 @@ source scripts/target-dir.sh
     cargo fmt --check
     cargo clippy --quiet --locked -- -D warnings
 )
-cargo build --quiet --package fivebar # the tests compare with the program
+build_program # the tests compare with it
 
 venv=$built/python-venv
 rm -rf "$venv"

@@ -9,7 +9,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
 
-cargo build --quiet --package fivebar
+build_program
 venv=$built/senders-venv
 rm -rf "$venv"
 if ! python3 -m venv "$venv"; then

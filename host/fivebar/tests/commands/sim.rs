@@ -164,6 +164,7 @@ fn a_folder_that_cannot_be_written_is_refused_before_the_run() {
     bench.assert_refused(&[PETAL, "--out", "taken/out"], 1, &["taken/out", "--out"]);
 }
 
+/// `./ci.sh package` also checks it: there the program is built without the feature.
 #[cfg(not(feature = "mcap"))]
 #[test]
 fn a_log_is_refused_before_the_run_by_a_program_without_mcap() {
