@@ -98,8 +98,8 @@ demo() { cargo run --quiet "${with_features[@]}" -- --out "$built/demonstration"
 
 all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated fuzz package machine bring_up senders)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
-# build in folders of their own, or the tests alone: the program in `target` is that of the other steps.
-beside=(chip emulated fuzz package)
+# build in folders of their own, or with the features of the other steps: the program in `target` is theirs.
+beside=(chip emulated emulated_senders fuzz package)
 # These come last and alone: they talk with an arm that moves in real time.
 alone=(machine bring_up senders)
 
