@@ -3,6 +3,7 @@
 use crate::program::{Page, Server, machine};
 use crate::stops::emergency_stop;
 use serde_json::json;
+use std::process::Command;
 
 /// The most memory that the server may take [MB].
 const MEMORY: f64 = 200.0;
@@ -65,4 +66,24 @@ fn no_file_ends_the_server_and_an_armed_arm_stops_at_once_meanwhile() {
     times.sort_by(f64::total_cmp);
     assert!(times[1] < 0.1 && times[2] < 1.0, "{times:.3?}");
     assert!(server.peak_memory() < MEMORY, "{} MB", server.peak_memory());
+}
+
+/// A file is read by another process: if the system ends that one, the page gets a refusal, and the arm stays armed.
+#[test]
+fn the_end_of_the_process_that_reads_a_file_leaves_the_server_and_its_arm_alone() {
+    let server = Server::start(&[]);
+    let _machine = machine();
+    let mut page = server.page();
+    page.take_control_and_arm();
+    load(
+        &mut page,
+        &format!("G21 G90 F600\n{}", "G1 X1 Y1\nG1 X0 Y0\n".repeat(300_000)),
+    );
+    let reader = (0..100_000).find_map(|_| server.children().next());
+    let reader = reader.expect("a process that reads the file").to_string();
+    let ended = Command::new("kill").args(["-9", &reader]).status();
+    assert!(ended.expect("the program kill").success(), "{reader}");
+    let why = refusal(&mut page);
+    assert!(why.contains("simplify it"), "{why}");
+    assert_eq!(page.latest_state()["state"], "Armed");
 }

@@ -103,6 +103,18 @@ impl Server {
         number.expect("a number").parse::<f64>().expect("kB") / 1024.0
     }
 
+    /// The processes that it has started and that run.
+    pub(crate) fn children(&self) -> impl Iterator<Item = u32> {
+        let parent = format!("PPid:\t{}\n", self.child.id());
+        let processes = std::fs::read_dir("/proc").expect("a list of processes");
+        processes.filter_map(move |entry| {
+            let entry = entry.ok()?;
+            let status = std::fs::read_to_string(entry.path().join("status")).ok()?;
+            let number = entry.file_name().to_str()?.parse().ok()?;
+            status.contains(&parent).then_some(number)
+        })
+    }
+
     pub(crate) fn open_files(&self) -> usize {
         let path = format!("/proc/{}/fd", self.child.id());
         std::fs::read_dir(path).expect("a process").count()
