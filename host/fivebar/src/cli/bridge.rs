@@ -4,7 +4,7 @@ use super::failure::{Failure, refused};
 use super::length::place;
 use super::port::interrupted;
 use super::run_args::ReadingArgs;
-use super::say::{say, warn};
+use super::say::{say, warn, warn_of_drivers};
 use super::serve::{ControllerArgs, address, described};
 use crate::bridge::{BridgeError, BridgeOptions, bridge};
 use crate::senders::Endpoints;
@@ -44,6 +44,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.controller.robot).map_err(refused)?;
+    warn_of_drivers(&robot);
     let reading = args.reading.options();
     let options = BridgeOptions {
         address: args.listen,

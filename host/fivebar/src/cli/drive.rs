@@ -5,7 +5,7 @@ use super::failure::{Failure, refused};
 use super::log::LogArgs;
 use super::port::{PortArgs, interrupted};
 use super::run_args::JobArgs;
-use super::say::{say, warn};
+use super::say::{say, warn, warn_of_drivers};
 use super::sim::{millimetres, path_lengths};
 use fivebar_files::job::Pause;
 use fivebar_files::robot::Robot;
@@ -60,6 +60,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
+    warn_of_drivers(&scenario.robot);
     let machine = machine(&scenario.robot)?;
     let settings = scenario.robot.settings().map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.

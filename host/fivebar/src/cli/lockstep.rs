@@ -3,7 +3,7 @@
 
 use super::failure::{Failure, refused};
 use super::run_args::RunArgs;
-use super::say::say;
+use super::say::{say, warn_of_drivers};
 use super::sim::{millimetres, outcome, path_lengths, print, progress_bar, refusal};
 use fivebar_files::scenario::Scenario;
 use fivebar_report::pages::RunReport;
@@ -111,6 +111,7 @@ impl<L: FnOnce() -> Result<Box<dyn Connection>, Failure>> WithArm for Run<'_, L>
         scenario
             .check(&job)
             .map_err(|error| refusal(scenario, &error))?;
+        warn_of_drivers(&scenario.robot);
         let count = args.moves.or_else(|| {
             let demonstration = !args.run.names_a_job();
             demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)

@@ -1,6 +1,7 @@
 //! Printing on standard output and standard error.
 
 use super::failure::{Failure, refused};
+use fivebar_files::robot::Robot;
 use fivebar_report::output::STANDARD_OUTPUT;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
@@ -43,6 +44,13 @@ fn print_to(out: &mut impl Write, text: impl Display) -> Result<(), Failure> {
 /// Prints a line to the standard error.
 pub(super) fn warn(line: impl Display) {
     hint(format_args!("{line}\n"));
+}
+
+/// Warns of drives that lose their way by themselves, before an arm with them moves.
+pub(super) fn warn_of_drivers(robot: &Robot) {
+    if let Some(warning) = robot.voltage_driver_warning() {
+        warn(format_args!("{}: {warning}", robot.name));
+    }
 }
 
 /// Prints a text to the standard error without adding anything.

@@ -3,7 +3,7 @@
 use super::failure::{Failure, refused};
 use super::plan::share;
 use super::port::interrupted;
-use super::say::{say, warn};
+use super::say::{say, warn, warn_of_drivers};
 use super::value_error::ValueError;
 use crate::bridge::{self, BridgeOptions};
 use crate::commission::Options;
@@ -143,6 +143,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return commission(args, out);
     }
     let robot = Robot::load(&args.controller.robot).map_err(refused)?;
+    warn_of_drivers(&robot);
     let guard = Guard::with_new_token().map_err(refused)?;
     let query = format!("?token={}", guard.token());
     let image = args.controller.image(&robot);

@@ -4,7 +4,7 @@ use super::failure::{Failure, refused};
 use super::output::OutputArgs;
 use super::repeat::{Compared, RepeatArgs, print as print_runs};
 use super::run_args::RunArgs;
-use super::say::{say, warn};
+use super::say::{say, warn, warn_of_drivers};
 use fivebar_files::job::Job;
 use fivebar_files::scenario::Scenario;
 use fivebar_report::pages::RunReport;
@@ -48,9 +48,7 @@ pub(super) fn simulate(
     scenario
         .check(&job)
         .map_err(|error| refusal(scenario, &error))?;
-    if let Some(warning) = scenario.robot.voltage_driver_warning() {
-        warn(format_args!("{}: {warning}", scenario.robot.name));
-    }
+    warn_of_drivers(&scenario.robot);
     let bar = progress_bar(path_lengths(scenario, &job).last().copied());
     let progress = &mut |done| bar.set_position(millimetres(done));
     let compared = match repeat.runs() {

@@ -1,10 +1,10 @@
-//! `fivebar sim`, run in a folder of its own.
+//! The program, run in a folder of its own.
 
 use fivebar_testkit::program;
 use std::path::PathBuf;
 use std::process::Output;
 
-/// A temporary folder in which `fivebar sim` is run.
+/// A temporary folder in which `fivebar` is run.
 pub(crate) struct Bench(tempfile::TempDir);
 
 impl Bench {
@@ -25,8 +25,12 @@ impl Bench {
 
     /// Runs `fivebar sim` in the folder.
     pub(crate) fn sim(&self, arguments: &[&str]) -> Output {
+        self.run(&[&["sim"], arguments].concat())
+    }
+
+    /// Runs `fivebar` in the folder.
+    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
         program(env!("CARGO_BIN_EXE_fivebar"))
-            .arg("sim")
             .args(arguments)
             .current_dir(self.0.path())
             .output()

@@ -102,6 +102,17 @@ fn steppers_on_drivers_that_give_a_voltage_are_warned_of_before_the_run_and_late
     // It is late by the lag of its fields, and slow enough to lose no step.
     assert!(worst[1] > 1.5 * worst[0], "{worst:?}");
     assert_eq!(lost, serde_json::json!([0, 0]));
+    // Whoever commands an arm on a port is warned as well.
+    for command in [&["drive", PETAL][..], &["bridge"], &["serve"]] {
+        for (robot, is_warned) in [("current.toml", false), ("voltage.toml", true)] {
+            let port = ["--robot", robot, "--port", "/dev/nothing"];
+            let output = bench.run(&[command, &port].concat());
+            assert_eq!(output.status.code(), Some(1), "{command:?}");
+            let (is_told, text) = warning(&output);
+            assert!(text.contains("there is no port"), "{command:?}: {text}");
+            assert_eq!(is_told, is_warned, "{command:?}: {text}");
+        }
+    }
 }
 
 #[test]
