@@ -32,17 +32,37 @@ fn section(heading: &str) -> &'static str {
     after.split_once("\n## ").map_or(after, |(here, _)| here)
 }
 
+/// The pins that a program uses are all named in each of these texts.
+fn assert_named(code: &str, least: usize, texts: &[&str]) {
+    let used: BTreeSet<_> = pins(code);
+    assert!(used.len() >= least, "{used:?}");
+    for text in texts {
+        let named = pins(text);
+        let missing: Vec<_> = used.difference(&named).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+    }
+}
+
 #[test]
 fn the_wiring_names_every_pin_that_the_board_uses() {
     let code = concat!(
         include_str!("../../../firmware/src/board/stm32f405/pins.rs"),
         include_str!("../../../firmware/src/board/stm32f405/pwm.rs"),
     );
-    let used: BTreeSet<_> = pins(code);
-    assert!(used.len() >= 21, "{used:?}");
-    let drawing = pins(include_str!("../../../docs/use/wiring.svg"));
-    for places in [pins(section("Pins")), pins(section("Reset")), drawing] {
-        let missing: Vec<_> = used.difference(&places).collect();
-        assert!(missing.is_empty(), "{missing:?}");
-    }
+    let drawing = include_str!("../../../docs/use/wiring.svg");
+    assert_named(code, 21, &[section("Pins"), section("Reset"), drawing]);
+}
+
+#[test]
+fn the_wiring_of_steppers_names_every_pin_that_their_image_uses() {
+    let code = include_str!("../../../firmware/src/board/stm32f405/stepper/pins.rs");
+    let drawing = include_str!("../../../docs/use/wiring-steppers.svg");
+    assert_named(code, 16, &[section("Steppers"), drawing]);
+}
+
+#[test]
+fn the_wiring_of_drives_on_a_bus_names_every_pin_that_their_image_uses() {
+    let code = include_str!("../../../firmware/src/board/stm32f405/can/pins.rs");
+    let drawing = include_str!("../../../docs/use/wiring-can.svg");
+    assert_named(code, 9, &[section("Drives on a CAN bus"), drawing]);
 }
