@@ -128,6 +128,13 @@ const OF_ENCODERS: &[Mistake] = &[
     ),
 ];
 
+/// Of an arm that homes by the index pulses of such encoders.
+const OF_INDEX: &[Mistake] = &[(
+    "index_dead = [true, false]",
+    "homing",
+    "the index output of joint 1 reads high all the time",
+)];
+
 const OF_SERVOS: &[Mistake] = &[
     (
         "motors_swapped = true",
@@ -200,13 +207,18 @@ fn each_wrong_wiring_of_steppers_is_found_by_its_step_and_named() {
 #[test]
 fn each_wrong_wiring_of_the_encoders_of_steppers_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("seen.toml");
     let kind = "kind = \"stepper\"";
     let with_encoders = format!("{kind}\nencoder_counts = 4000");
-    let text = changed("benchtop_stepper", &[(kind, &with_encoders)]);
-    fs::write(&file, text).unwrap();
-    let file = file.display().to_string();
-    each_is_named(&file, OF_ENCODERS);
+    let by_switch = changed("benchtop_stepper", &[(kind, &with_encoders)]);
+    let by_index = format!("{by_switch}\n[homing]\nmethod = \"index\"\n");
+    for (name, text, mistakes) in [
+        ("switch.toml", by_switch, OF_ENCODERS),
+        ("index.toml", by_index, OF_INDEX),
+    ] {
+        let file = folder.path().join(name);
+        fs::write(&file, text).unwrap();
+        each_is_named(&file.display().to_string(), mistakes);
+    }
 }
 
 #[test]
@@ -220,11 +232,17 @@ fn every_key_of_the_wiring_of_each_kind_is_among_those_that_are_tried() {
     let of_torque = of_torque.chain([HALF_SUPPLY[0]]);
     let of_steps = OF_STEPPERS.iter().map(|(mistake, ..)| *mistake);
     let of_steppers: Vec<&str> = of_steps.chain(of_torque).collect();
+    let of_encoders = OF_ENCODERS
+        .iter()
+        .chain(OF_INDEX)
+        .map(|(mistake, ..)| *mistake);
+    let with_encoders: Vec<&str> = of_steppers.iter().copied().chain(of_encoders).collect();
     let of_bus = [OF_BUS, OF_MIT, OF_ABSOLUTE].concat();
     let of_bus: Vec<&str> = of_bus.iter().map(|(mistake, ..)| *mistake).collect();
     let of_servos: Vec<&str> = OF_SERVOS.iter().map(|(mistake, ..)| *mistake).collect();
     for (kind, mistakes) in [
         (DriveKind::Stepper, of_steppers),
+        (DriveKind::StepperWithEncoder, with_encoders),
         (DriveKind::HobbyServo, of_servos),
         (DriveKind::CanTorque, of_bus),
     ] {
