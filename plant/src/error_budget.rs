@@ -16,10 +16,12 @@ impl Mismatch {
         let own_damping = if is_damping_alone { damped } else { none };
         // A gap without a belt's stiffness beside it has its damping at the flanks.
         let flanks = if stiffness.is_none() { damped } else { none };
+        // Names every other key: one without a line here does not compile.
         macro_rules! alone {
-            ($($key:ident),*) => {
+            ($($key:ident),*) => {{
+                let Self { stiffness: _, drive_damping: _, backlash: _, $($key: _),* } = self;
                 [$((stringify!($key), Self { $key: self.$key, ..none })),*]
-            };
+            }};
         }
         let plain = alone!(
             link_mass,

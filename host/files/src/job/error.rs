@@ -32,7 +32,7 @@ pub enum JobError {
     #[error("{0}")]
     Refused(String),
     /// The file has another format.
-    #[error("this is {name}, and no G-code, SVG or HPGL: {remedy}")]
+    #[error("this is {name}, and no G-code, SVG, DXF or HPGL: {remedy}")]
     Format {
         /// The format.
         name: &'static str,

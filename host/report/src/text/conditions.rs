@@ -63,8 +63,29 @@ fn effects(mismatch: &Mismatch) -> Vec<(&'static str, String)> {
             values.collect::<Vec<_>>().join(", ")
         })
     };
-    let stiffness = mismatch.stiffness.unwrap_or_default();
-    let harmonics = mismatch.encoder_error.map(|error| {
+    // A key that neither this list nor the one above has does not compile.
+    let Mismatch {
+        link_mass: _,
+        friction: _,
+        payload: _,
+        current_noise: _,
+        current_offset: _,
+        link_length,
+        base_length,
+        home_error,
+        torque_constant,
+        torque_ripple,
+        cogging,
+        stiffness,
+        drive_damping,
+        backlash,
+        stiction,
+        encoder_error,
+        encoder_latency,
+        supply_resistance,
+    } = mismatch;
+    let stiffness = stiffness.unwrap_or_default();
+    let harmonics = encoder_error.map(|error| {
         let terms = error.terms().iter().map(|term| {
             let size = quantity(term.amplitude, "rad");
             format!("{size} at harmonic {}", term.harmonic)
@@ -76,22 +97,19 @@ fn effects(mismatch: &Mismatch) -> Vec<(&'static str, String)> {
         .any(|text| !text.is_empty())
         .then(|| harmonics.join("; "));
     let all = [
-        ("link lengths", each(&mismatch.link_length, "m")),
-        ("base length", each(&[mismatch.base_length], "m")),
-        ("home switches", each(&mismatch.home_error, "rad")),
-        ("torque constants", percent(&mismatch.torque_constant)),
-        ("torque ripple", percent(&mismatch.torque_ripple)),
-        ("cogging", each(&mismatch.cogging, "N·m")),
+        ("link lengths", each(link_length, "m")),
+        ("base length", each(&[*base_length], "m")),
+        ("home switches", each(home_error, "rad")),
+        ("torque constants", percent(torque_constant)),
+        ("torque ripple", percent(torque_ripple)),
+        ("cogging", each(cogging, "N·m")),
         ("drive stiffness", each(&stiffness, "N·m/rad")),
-        ("drive damping", each(&mismatch.drive_damping, "N·m·s/rad")),
-        ("backlash", each(&mismatch.backlash, "rad")),
-        ("stiction", percent(&mismatch.stiction)),
+        ("drive damping", each(drive_damping, "N·m·s/rad")),
+        ("backlash", each(backlash, "rad")),
+        ("stiction", percent(stiction)),
         ("encoder error", encoder_error),
-        ("encoder latency", each(&mismatch.encoder_latency, "s")),
-        (
-            "supply resistance",
-            each(&[mismatch.supply_resistance], "Ω"),
-        ),
+        ("encoder latency", each(encoder_latency, "s")),
+        ("supply resistance", each(&[*supply_resistance], "Ω")),
     ];
     let on = all.into_iter();
     on.filter_map(|(name, value)| Some((name, value?)))
