@@ -74,6 +74,7 @@ pub(super) fn run(
     other: &RemoteController<'_>,
     line: impl FnOnce() -> Result<Box<dyn Connection>, Failure>,
 ) -> Result<(), Failure> {
+    warn_of_drivers(&scenario.robot);
     let run = Run {
         args,
         scenario,
@@ -111,7 +112,6 @@ impl<L: FnOnce() -> Result<Box<dyn Connection>, Failure>> WithArm for Run<'_, L>
         scenario
             .check(&job)
             .map_err(|error| refusal(scenario, &error))?;
-        warn_of_drivers(&scenario.robot);
         let count = args.moves.or_else(|| {
             let demonstration = !args.run.names_a_job();
             demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
