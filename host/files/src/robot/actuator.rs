@@ -90,6 +90,12 @@ impl Actuator {
         }
     }
 
+    /// The motor's torque constant [N·m/A], if it is a drive on a bus whose file states it.
+    pub fn stated_torque_constant(&self) -> Option<f64> {
+        let is_stated = self.torque_constant != CanTorque::TORQUE_CONSTANT;
+        (self.can().is_some() && is_stated).then_some(self.torque_constant)
+    }
+
     /// Its hobby servo, if it is one.
     pub fn hobby_servo(&self) -> Option<&HobbyServo> {
         match &self.drive {

@@ -5,6 +5,7 @@ use super::line::Line;
 use super::observer::Observer;
 use super::operator::Task;
 use super::question::{Answer, Question};
+use fivebar_design::joint_path::find_path;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::drives::DriveInterface;
@@ -113,6 +114,27 @@ impl<P: SimulatedArm + ByHand> Held<P> {
         })
     }
 
+    /// A way around what no hand can move the arm through; none if there is none within a turn more.
+    fn around(&self, from: [f64; 2], to: [f64; 2]) -> Option<Vec<HandMotion>> {
+        let range = |joint: usize| {
+            let ends = [from[joint], to[joint]];
+            [ends[0].min(ends[1]) - TAU, ends[0].max(ends[1]) + TAU]
+        };
+        let is_free = |[theta1, theta4]: [f64; 2]| {
+            let pose = self.geometry.forward(theta1, theta4, self.assembly);
+            pose.is_ok_and(|pose| pose.sin32().abs() > 0.05)
+        };
+        let is_clear = |from, to| self.is_free(&HandMotion::Joints([from, to]));
+        let corners = find_path([range(0), range(1)], from, to, is_free, is_clear)?;
+        let mut last = from;
+        let motions = corners.into_iter().map(|corner| {
+            let motion = HandMotion::Joints([last, corner]);
+            last = corner;
+            motion
+        });
+        Some(motions.collect())
+    }
+
     /// Begins to move the arm to these angles, where C is at `place`.
     fn move_to(&mut self, to: [f64; 2], place: [f64; 2]) -> Result<(), StepError> {
         let from = Joint::ALL.map(|joint| self.arm.angle(joint));
@@ -130,7 +152,8 @@ impl<P: SimulatedArm + ByHand> Held<P> {
             .into_iter()
             .map(|motion| vec![motion])
             .chain([through.to_vec()])
-            .find(|motions| motions.iter().all(|motion| self.is_free(motion)));
+            .find(|motions| motions.iter().all(|motion| self.is_free(motion)))
+            .or_else(|| self.around(from, to));
         let motions = motions.ok_or_else(|| {
             StepError::Other(format!(
                 "no path of the arm leads to the hole at ({:.0}, {:.0}) mm: set limits.angle of the robot \
@@ -188,8 +211,8 @@ impl<P: SimulatedArm + ByHand + Send> Handled for Held<P> {
                 let pose = self.geometry.inverse(Vector2::from(place), self.mode);
                 let angles = pose.map_err(StepError::other)?.angles();
                 let to = Joint::ALL.map(|joint| {
-                    let (now, angle) = (self.arm.angle(joint), angles[3 * joint.index()]);
-                    angle + ((now - angle) / TAU).round() * TAU
+                    let (middle, angle) = (self.middle[joint], angles[3 * joint.index()]);
+                    angle + ((middle - angle) / TAU).round() * TAU
                 });
                 self.move_to(to, place)?;
             }

@@ -4,6 +4,7 @@
 use crate::arms::MIT;
 use crate::commission::{commission, record, text, value};
 use crate::commission_kinds::{Mistake, changed, commissioned, each_is_named, scenario};
+use fivebar_files::robot::{CanMotor, Draft, Motors};
 use fivebar_testkit::program;
 use std::fs;
 
@@ -168,6 +169,29 @@ fn arms_on_a_bus_get_to_the_end() {
         let after = value(&record, "tip_error_after_rms_m");
         assert!(after < 40e-6, "{after} m");
     }
+}
+
+/// Its file has no limits of the angles, so the plate has holes on all sides. It has no torque constant either: nobody knows
+/// which current gives the torque, and nobody says so.
+#[test]
+fn an_arm_that_new_proposes_with_odrives_gets_to_the_end() {
+    let mut draft = Draft::new("proposed");
+    draft.motors = Motors::CanDrives(CanMotor::TYPICAL);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("arm.toml");
+    fs::write(&file, draft.text()).unwrap();
+    let output = commission(folder.path(), &["--robot", &file.display().to_string()]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let told = text(&output.stdout);
+    assert!(
+        told.contains("torque_constant = that of your motor"),
+        "{told}"
+    );
+    assert!(!told.contains("current_soft_max = 1"), "{told}");
+    let record = record(folder.path());
+    assert_eq!(record["steps"].as_array().unwrap().len(), 10);
+    let after = value(&record, "tip_error_after_rms_m");
+    assert!(after < 100e-6, "{after} m");
 }
 
 /// What a workshop's arm differs by from its file: masses, friction, lengths, encoders and switches, as in realistic.toml.

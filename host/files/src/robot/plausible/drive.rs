@@ -188,10 +188,10 @@ fn torque_drive(
     let key = |name| Key::Of("actuator", joint.index(), name);
     let needed = robot.limits.max_speed[joint] * motor.gear_ratio.abs();
     let mut rules = Vec::new();
-    if motor.torque_constant != CanTorque::TORQUE_CONSTANT {
+    if let Some(constant) = motor.stated_torque_constant() {
         rules.push(Plausible::new(
             key("torque_constant"),
-            (motor.torque_constant, "N·m/A"),
+            (constant, "N·m/A"),
             NO_LOAD.map(|share| robot.supply.voltage / (share * drive.max_speed)),
             "without load the supply's voltage turns the motor at 1/5 to 500 times its `max_speed`",
         ));

@@ -21,6 +21,9 @@ const MISSED: f64 = 0.2;
 const HOLDING: f64 = 5.0;
 /// The share of a turn by hand above which a drive has answered.
 const ANSWERED: f64 = 0.05;
+/// What an ODrive is told about a torque constant that the robot file does not have.
+const NO_CONSTANT: &str = "that of your motor, 8.27 (N·m/A) over its rpm/V, current_soft_max = its peak torque over that; write \
+                           torque_constant into [[actuator]], and this step works the current out";
 /// How far a joint may be from its home angle in its jig [rad].
 const JIG: f64 = 5e-3;
 
@@ -38,25 +41,36 @@ pub(in super::super) fn settings(bench: &mut Bench) -> Result<Outcome, StepError
     let mut values = Vec::new();
     for joint in Joint::ALL {
         let drive = bench.drive(joint)?;
-        let (node, current) = (nodes[joint], drive.peak_current);
+        let node = nodes[joint];
+        // Without a torque constant nothing says which current gives the torque.
+        let stated = drive.stated_torque_constant();
+        let current = stated.map(|constant| (constant, drive.peak_current));
         let protocol = drive.can().map(|can| can.protocol);
         bench.report(match protocol {
             Some(Protocol::Odrive) => format!(
                 "{joint}, ODrive: can.config.baud_rate = 1000000; axis0.config.can.node_id = {node}, heartbeat_msg_rate_ms = 10, \
                  the other messages 0; axis0.config.enable_watchdog = True, watchdog_timeout = {:.3} (s); \
-                 axis0.config.motor.torque_constant = {} (N·m/A), current_soft_max = {current:.1} (A)",
+                 axis0.config.motor.torque_constant = {}",
                 1e-3 * timeout,
-                drive.torque_constant
+                current.map_or_else(
+                    || NO_CONSTANT.into(),
+                    |(constant, current)| {
+                        format!("{constant} (N·m/A), current_soft_max = {current:.1} (A)")
+                    }
+                )
             ),
             _ => format!(
                 "{joint}, MIT-type: 1 Mbit/s, its identifier {node}, the controller's 0; a time-out of {timeout:.0} ms if it has \
-                 one; the ranges of position, velocity, stiffness, damping and torque as in [[actuator]]; the motor's current \
-                 {current:.1} A at most"
+                 one; the ranges of position, velocity, stiffness, damping and torque as in [[actuator]]{}",
+                current.map_or_else(String::new, |(_, current)| {
+                    format!("; the motor's current {current:.1} A at most")
+                })
             ),
         })?;
-        let name = format!("peak_current{}_a", joint.number());
         let origin = "peak_torque of the robot file over torque_constant";
-        values.push(Value::new(name, current, origin));
+        values.extend(current.map(|(_, current)| {
+            Value::new(format!("peak_current{}_a", joint.number()), current, origin)
+        }));
     }
     bench.ask(Task::SetDrives)?;
     Ok(Outcome::new(

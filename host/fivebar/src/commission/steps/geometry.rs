@@ -23,6 +23,8 @@ use std::f64::consts::TAU;
 const HOLES: usize = 40;
 /// Standard deviation of a hole's x and of its y [m].
 const SIGMA: f64 = 20e-6;
+/// An arm that has turned by more on its way through the holes is brought back [turns].
+const FAR: f64 = 0.25;
 /// Fewest holes from which errors of the encoders are found.
 const FEWEST: usize = 30;
 /// The place of the plate in the record.
@@ -268,6 +270,7 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
             "Both hips turn about one axis: the plate's x axis is the arm's, so lay it along",
         )?;
     }
+    let homed = bench.client.status()?.0.angle.map(f64::from);
     let simulated = bench.operator.actions().is_some();
     let mut noise = Noise::new(7);
     let mut rows = Vec::new();
@@ -296,6 +299,16 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
             row[joint.index()] = angle[joint] * per_radian - 0.5 + turned;
         }
         rows.push(row);
+    }
+    // From far away the arm may meet its own links on its way home.
+    let is_far = |joint: Joint| {
+        let turned = rows
+            .last()
+            .map_or(0.0, |row| row[joint.index()] - rows[0][joint.index()]);
+        turned.abs() > FAR * bench.counts_per_turn(joint).map_or(f64::INFINITY, f64::abs)
+    };
+    if Joint::ALL.into_iter().any(is_far) {
+        bench.ask(Task::Place(homed))?;
     }
     bench.ask(Task::LetGo)?;
     Ok(rows)
