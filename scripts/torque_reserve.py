@@ -4,8 +4,9 @@ can: with the torque_share that `fivebar commission` measured on each arm, and w
 
     scripts/torque_reserve.py --arms 40 --jobs 5 --seed 1 --out docs/verify/data/torque_reserve.csv
 
-Each arm has its own torque of both motors, and its own masses with inertias. Each case of CASES has the same arms and
-jobs. FIVEBAR names the program, target/debug/fivebar by default. A row of the file is a job.
+Each arm has its own torque of both motors, and its own masses with inertias. Each case of CASES has the same arms; a
+job that an arm does not reach is replaced by another one. FIVEBAR names the program, target/debug/fivebar by default.
+A row of the file is a job.
 """
 import argparse
 import concurrent.futures
@@ -25,14 +26,20 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = os.environ.get("FIVEBAR") or ROOT / "target/debug/fivebar"
 ROBOT_FILE = ROOT / "host/files/robots/benchtop_stepper.toml"
-# What is changed in the robot file, and what else is unknown: a payload [kg], and friction as a share.
+# What is changed in the robot file, what else is unknown: a payload [kg], and friction as a share; and by what the
+# measured shares are multiplied: in an overload the jobs show that they can lose steps.
 LONGER = {
     "gear_ratio = 4.0": "gear_ratio = 3.0",
     "base = 0.08": "base = 0.10",
     "length = 0.10": "length = 0.12",
     "length = 0.16": "length = 0.19",
 }
-CASES = {"benchtop": ({}, 0.0, 0.0), "longer": (LONGER, 0.0, 0.0), "more unknown": ({}, 0.02, 0.3)}
+CASES = {
+    "benchtop": ({}, 0.0, 0.0, 1.0),
+    "longer": (LONGER, 0.0, 0.0, 1.0),
+    "more unknown": ({}, 0.02, 0.3, 1.0),
+    "overload": (LONGER, 0.0, 0.0, 1.6),
+}
 # How far torque and masses are off at most, as shares.
 TORQUE, MASS = 0.10, 0.15
 # Where the middles of the jobs are [m], and half the size of the least and the greatest job [m].
@@ -89,7 +96,8 @@ def in_motion(trace):
 
 
 def drawn(folder, robot, unknown, code, origin):
-    """The seconds in motion of a job with this robot file, the steps that it lost, and whether it was drawn."""
+    """The seconds in motion of a job with this robot file, the steps that it lost, and whether it was drawn; none if
+    the arm does not reach it."""
     (folder / "job.gcode").write_text(code)
     scenario = folder / "scenario.toml"
     place = ", ".join(f"{it:.4f}" for it in origin)
@@ -98,6 +106,8 @@ def drawn(folder, robot, unknown, code, origin):
     shutil.rmtree(out, ignore_errors=True)
     done = fivebar("sim", scenario, "--time-optimal", "--json", "--out", out)
     if not done.stdout.startswith("{"):
+        if "would leave its limits" in done.stderr or "too nearly straight" in done.stderr:
+            return None
         sys.exit(f"{done.stderr}\n{scenario.read_text()}\n{code}")
     figures = json.loads(done.stdout)
     lost = sum(abs(it) for it in figures["lost_steps"])
@@ -106,6 +116,12 @@ def drawn(folder, robot, unknown, code, origin):
 
 def shares(text):
     return re.findall(r"^torque_share = (\S+)", text, re.MULTILINE)
+
+
+def overloaded(text, overload):
+    """A robot file with its shares multiplied."""
+    pattern = re.compile(r"^torque_share = (\S+)", re.MULTILINE)
+    return pattern.sub(lambda it: f"torque_share = {float(it[1]) * overload:.2f}", text)
 
 
 def commission(out, robot, until, *scenario):
@@ -131,7 +147,7 @@ def rows(case, number, drawing, before, options):
     """The rows of an arm: its draws depend on the seed and its number only."""
     draw = random.Random(1000 * options.seed + number)
     torques, mass = [round(draw.uniform(-TORQUE, TORQUE), 4) for _ in range(2)], round(draw.uniform(-MASS, MASS), 4)
-    _, payload, friction = CASES[case]
+    _, payload, friction, overload = CASES[case]
     unknown = f"link_mass = {mass}\ntorque_constant = {torques}\npayload = {payload}\nfriction = {friction}\n"
     unknown = f"[mismatch]\n{unknown}"
     found = []
@@ -141,9 +157,15 @@ def rows(case, number, drawing, before, options):
         if measured is None:
             return found
         robot, both = measured
+        if overload != 1.0:
+            text = overloaded(robot.read_text(), overload)
+            robot.write_text(text)
+            both = shares(text)
         for index in range(1, options.jobs + 1):
-            shape, code, origin = job(draw)
-            results = [drawn(folder, it, unknown, code, origin) for it in (robot, drawing)]
+            results = [None]
+            while None in results:
+                shape, code, origin = job(draw)
+                results = [drawn(folder, it, unknown, code, origin) for it in (robot, drawing)]
             found.append([case, number, *torques, mass, *both, index, shape, *results[0], *results[1]])
     return found
 
