@@ -16,6 +16,7 @@ mod mobility_cases;
 mod plant_and_models;
 mod readme_accuracy;
 mod reference_vectors;
+mod reserve_document;
 mod safety_document;
 mod seen_faults;
 mod servo_loop;
