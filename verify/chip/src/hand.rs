@@ -22,7 +22,7 @@ impl Hand {
         }
     }
 
-    /// Does what a line says: `stop 1`, `switch 4 1`, `turn 1 0.785`, `tip 0.04 0.15` or `free`, in
+    /// Does what a line says: `stop 1`, `switch 4 1`, `turn 1 0.785`, `place 2.4 0.7`, `tip 0.04 0.15` or `free`, in
     /// radians and metres; 1 presses, 0 releases.
     ///
     /// # Errors
@@ -40,6 +40,7 @@ impl Hand {
                 to[numbered(*joint)] += by;
                 self.turn(arm, to)?;
             }
+            ("place", [theta1, theta4]) => self.turn(arm, [*theta1, *theta4])?,
             ("tip", [x, y]) => {
                 let pose = self
                     .robot
@@ -55,7 +56,7 @@ impl Hand {
             ("free", []) => arm.let_go(),
             _ => {
                 return Err(format!(
-                    "{line}: a hand does stop, switch, turn, tip and free"
+                    "{line}: a hand does stop, switch, turn, place, tip and free"
                 ));
             }
         }
