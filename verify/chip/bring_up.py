@@ -59,7 +59,8 @@ def orders(task):
          lambda m: [f"turn {m[1]} {(-1 if m[2] == 'clockwise' else 1) * int(m[3]) * 0.0174532925}"]),
         (r"Put the tip into hole \d+ at \((-?[\d.]+), (-?[\d.]+)\) mm",
          lambda m: [f"tip {float(m[1]) / 1000} {float(m[2]) / 1000}"]),
-        (r"Turn the arm by hand until the crank of joint 1 points to about (-?\d+)° and that of joint 4 to about (-?\d+)°",
+        (r"Turn the arm by hand until the crank of joint 1 points to about (-?\d+)° "
+         r"and that of joint 4 to about (-?\d+)°",
          lambda m: [f"place {int(m[1]) * 0.0174532925} {int(m[2]) * 0.0174532925}"]),
         (r"Let go of the arm", lambda _: ["free"]),
     ]
