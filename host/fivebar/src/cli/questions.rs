@@ -224,7 +224,12 @@ fn steppers() -> Vec<Question> {
             "Holding torque at the motor shaft",
             ["N·m"]
         ),
-        of_motor!(Steppers, rated_current, "Rated current of a winding", ["A"]),
+        of_motor!(
+            Steppers,
+            rated_current,
+            "Current at the peak of a winding: 1.41 times its RMS",
+            ["A"]
+        ),
         of_motor!(Steppers, resistance, "Resistance of a winding", ["Ω"]),
         of_motor!(Steppers, inductance, "Inductance of a winding", ["H"]),
         of_motor!(Steppers, rotor_inertia = RotorInertia),
