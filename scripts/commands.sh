@@ -78,11 +78,13 @@ fail() {
 # Starts a command that listens, and waits at most 10 s for a line with this pattern in its log.
 start_server() {
     local command=$1 pattern=$2 log=$3
+    # What the server before it said would be taken for its own words.
+    rm -f "$log"
     $command --listen 127.0.0.1:0 >"$log" 2>&1 </dev/null &
     server=$!
     trap 'kill "$server" 2>/dev/null || true' EXIT
     for _ in $(seq 100); do
-        grep -q "$pattern" "$log" && break
+        grep -qs "$pattern" "$log" && break
         sleep 0.1
     done
 }
