@@ -8,7 +8,8 @@
 //! Both take bounded time. A push checks its move in a bounded number of steps. A run hands out
 //! at most [`SEGMENTS_PER_RUN`] trajectory segments, each planned over at most
 //! [`PLANNED_SEGMENTS`] planned segments. It hands out more only if these would end in motion too
-//! near the end of the path for a stop.
+//! near the end of the path for a stop. While the arm moves there, it does not search for a better plan: a search over a
+//! full queue takes milliseconds, in which the arm would use up the path.
 
 mod check;
 mod crossing;

@@ -29,7 +29,13 @@ impl Planner {
             if ahead && snapshot.path_is_enough || snapshot.path_free == 0 {
                 break;
             }
-            let Some(segment) = self.lookahead.next_segment() else {
+            // A plan takes up to some milliseconds: too long where a stop soon needs all that is left.
+            let in_haste = snapshot.state == State::Running && !snapshot.path_is_enough;
+            let next = match in_haste {
+                true => self.lookahead.next_segment_in_haste(),
+                false => self.lookahead.next_segment(),
+            };
+            let Some(segment) = next else {
                 break;
             };
             let slowed = self

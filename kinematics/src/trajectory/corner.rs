@@ -98,7 +98,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
         let kept = self
             .profile
             .filter(|profile| profile.segments + 3 < self.queue.run());
-        self.profile = match self.window().best_profile(kept) {
+        self.profile = match self.window().best_profile(kept, usize::MAX) {
             None if self.motion != Motion::at_rest() => {
                 self.queue.drop_last(4);
                 self.queue.push(unshortened);

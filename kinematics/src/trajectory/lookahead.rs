@@ -22,6 +22,9 @@ use nalgebra::Vector2;
 /// Planned segments of a move: its own, and two for the halves of the corner before it.
 const SEGMENTS_PER_MOVE: usize = 3;
 
+/// So many planned segments a plan in haste looks ahead.
+const NEAR: usize = 6;
+
 /// A queue of up to `N` segments; a move takes one, and two more for the corner before it.
 ///
 /// ```
@@ -236,6 +239,17 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
     /// The next trajectory segment, starting where the last one ended; `None` when all moves
     /// have been returned. The last segment before `None` ends at rest.
     pub fn next_segment(&mut self) -> Option<TrajectorySegment<S>> {
+        self.next_planned(usize::MAX)
+    }
+
+    /// The same without a search for anything better, for a follower that soon needs it: the plan goes on as it is. At
+    /// its end the next one looks only a few segments ahead, so that the motion may be slower.
+    pub fn next_segment_in_haste(&mut self) -> Option<TrajectorySegment<S>> {
+        self.next_planned(NEAR)
+    }
+
+    /// The next trajectory segment; a plan is made anew for at most `most` segments.
+    fn next_planned(&mut self, most: usize) -> Option<TrajectorySegment<S>> {
         // Each pass returns a segment or finishes a planned segment or a profile.
         for _ in 0..4 * N {
             let head = *self.queue.first()?;
@@ -250,7 +264,7 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
                     ..rest
                 });
             }
-            if let Some(segment) = self.advance(&head) {
+            if let Some(segment) = self.advance(&head, most) {
                 return Some(segment);
             }
         }
@@ -259,10 +273,11 @@ impl<S: Scalar, const N: usize> LookaheadPlanner<S, N> {
 
     /// Advances to the end of the profile's phase or to the end of the first planned segment,
     /// whichever comes first.
-    fn advance(&mut self, head: &PlannedSegment<S>) -> Option<TrajectorySegment<S>> {
-        if self.stale || self.profile.is_none() {
-            self.profile = self.window().best_profile(self.profile);
-            self.stale = false;
+    fn advance(&mut self, head: &PlannedSegment<S>, most: usize) -> Option<TrajectorySegment<S>> {
+        let in_haste = most < N;
+        if self.stale && !in_haste || self.profile.is_none() {
+            self.profile = self.window().best_profile(self.profile, most);
+            self.stale = in_haste;
         }
         let left = head.length - self.place;
         let Some(mut profile) = self.profile else {

@@ -26,12 +26,14 @@ pub(super) struct LookaheadWindow<'a, S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
-    /// The best profile from the present motion. `kept` is the rest of the previous profile.
+    /// The best profile from the present motion to one of the next `most` boundaries, or further if none leads to them.
+    /// `kept` is the rest of the previous profile.
     // Large and called in two places: not inlined, to save flash.
     #[inline(never)]
     pub(super) fn best_profile(
         &self,
         kept: Option<VelocityProfile<S>>,
+        most: usize,
     ) -> Option<VelocityProfile<S>> {
         let segments = self.queue.run();
         let entry = self.entry_speeds(segments);
@@ -50,12 +52,16 @@ impl<S: Scalar, const N: usize> LookaheadWindow<'_, S, N> {
             *slot = (distance, limits);
         }
         let mut best: Option<(VelocityProfile<S>, S)> = None;
-        // The remaining time: from the boundary to the end of the run, each boundary passed at
-        // its speed. A profile that arrives at less takes longer by what gaining the rest costs.
+        let near = most.min(segments);
+        // The remaining time: from the boundary to the last of the near ones, each boundary passed
+        // at its speed. A profile that arrives at less takes longer by what gaining the rest costs.
         let mut rest = S::ZERO;
-        for boundary in (1..=segments).rev() {
+        for boundary in (1..=near).rev().chain(near + 1..=segments) {
+            if boundary > near && best.is_some() {
+                break;
+            }
             let &(distance, limits) = ahead.get(boundary - 1)?;
-            if let Some(planned) = self.queue.get(boundary).filter(|_| boundary < segments) {
+            if let Some(planned) = self.queue.get(boundary).filter(|_| boundary < near) {
                 rest += passing_time(planned, speed_at(boundary), speed_at(boundary + 1));
             }
             let exit = speed_at(boundary);

@@ -87,27 +87,33 @@ proptest! {
         prop_assert!(reached.iter().all(|&reached| reached));
     }
 
-    /// Moves may be added at any time, also when the queue is empty.
+    /// Moves may be added at any time, also when the queue is empty, and each trajectory segment may be taken in haste.
     #[test]
     fn moves_that_come_late_are_joined_to_the_motion_at_hand(
         segments in paths(-5.0),
         // Trajectory segments taken before each push.
-        haste in prop::collection::vec(0..9_usize, 30),
+        taken in prop::collection::vec(0..9_usize, 30),
+        in_haste in prop::collection::vec(prop::bool::ANY, 7),
         feed in 0.01..0.3_f64,
     ) {
         let envelope = envelope(1e-4);
         let mut lookahead = LookaheadPlanner::<f64, 16>::new();
         let mut trajectory = Vec::new();
-        for ((tag, segment), haste) in segments.iter().enumerate().zip(haste) {
-            let before = trajectory.len() + haste;
+        let mut in_haste = in_haste.into_iter().cycle();
+        let mut next = |lookahead: &mut LookaheadPlanner<f64, 16>| match in_haste.next() {
+            Some(true) => lookahead.next_segment_in_haste(),
+            _ => lookahead.next_segment(),
+        };
+        for ((tag, segment), taken) in segments.iter().enumerate().zip(taken) {
+            let before = trajectory.len() + taken;
             while trajectory.len() < before || lookahead.free_slots() == 0 {
-                let Some(trajectory_segment) = lookahead.next_segment() else { break };
+                let Some(trajectory_segment) = next(&mut lookahead) else { break };
                 trajectory.push(trajectory_segment);
             }
             let limits = envelope.check(segment, feed).unwrap();
             lookahead.push(segment, limits, tag as u32, &envelope).unwrap();
         }
-        while let Some(trajectory_segment) = lookahead.next_segment() {
+        while let Some(trajectory_segment) = next(&mut lookahead) {
             trajectory.push(trajectory_segment);
         }
         let limits = MotionLimits { speed: feed, ..envelope.tool_motion };

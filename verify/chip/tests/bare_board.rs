@@ -4,10 +4,11 @@
 mod bench;
 
 use bench::image;
-use fivebar_chip::time::MICROSECOND;
+use fivebar_chip::time::{MICROSECOND, MILLISECOND, Time};
 use fivebar_chip::{BareBoard, BoardMistake, Chip, Defect, HostLine, Options, SharedBareBoard};
 use fivebar_sim::board_test::{BoardReport, Hands, Verdict, run};
 use fivebar_sim::link::{Client, FaultInjector, FaultRates};
+use std::io::{self, Read, Write};
 use std::time::Duration;
 
 /// A hand at the board, which connects nothing if it is absent.
@@ -66,6 +67,78 @@ fn every_row_of_a_sound_board_is_filled_and_passes() {
     let times = report.times.expect("the board followed a path");
     assert!(times.interrupt.ticks > 300, "{times:?}");
     assert!(times.interrupt.least > 500 && times.response.least > times.interrupt.least + 437);
+}
+
+/// A line from a host that is late: before each of some frames, the board goes on alone.
+struct LateLine {
+    line: HostLine,
+    /// The generator's state.
+    random: u64,
+    /// The longest wait before a frame [ms], and the share of frames that wait for up to 60 ms.
+    wait: f64,
+    stalls: f64,
+}
+
+impl LateLine {
+    /// A number from 0 to 1, by Knuth's linear generator.
+    fn uniform(&mut self) -> f64 {
+        let next = self.random.wrapping_mul(6_364_136_223_846_793_005);
+        self.random = next.wrapping_add(1_442_695_040_888_963_407);
+        (self.random >> 33) as f64 / f64::from(1_u32 << 31)
+    }
+}
+
+impl Read for LateLine {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.line.read(bytes)
+    }
+}
+
+impl Write for LateLine {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let stall = self.uniform() < self.stalls;
+        let longest = if stall { 60.0 } else { self.wait };
+        let wait = longest * self.uniform() * MILLISECOND as f64;
+        self.line
+            .chip()
+            .run(wait as Time)
+            .map_err(io::Error::other)?;
+        self.line.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A host that is late, or gives 400 lines a second about as fast as the arm draws them, has a slower arm and no fault:
+/// the planner hands out path in time, though a plan over a full queue takes it some milliseconds.
+#[test]
+fn a_late_host_slows_the_arm_and_leaves_no_fault() {
+    for (seed, wait, stalls) in [(5, 0.0, 0.0), (6, 3.0, 0.0), (7, 3.0, 0.02), (8, 6.0, 0.02)] {
+        let board = SharedBareBoard::new(BareBoard::new(None));
+        let late = LateLine {
+            line: line(Options::default(), &board),
+            random: seed,
+            wait,
+            stalls,
+        };
+        let opened = Client::open_with_clock(late, |late| {
+            Duration::from_micros(late.line.chip().now() / MICROSECOND)
+        });
+        let (mut client, identity) = opened.expect("the controller answers");
+        let mut hand = Hand {
+            board,
+            present: true,
+        };
+        let report = run(&mut client, &identity, &mut hand, 1.5).expect("a report");
+        let failed: Vec<_> = report
+            .failed()
+            .map(|row| (&row.name, &row.verdict))
+            .collect();
+        assert!(failed.is_empty(), "{seed}: {failed:?}");
+        assert!(report.times.is_some(), "{seed}: {:?}", report.rows);
+    }
 }
 
 #[test]
