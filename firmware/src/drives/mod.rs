@@ -12,6 +12,7 @@
 
 mod brushed;
 pub mod can;
+mod encoder_tracking;
 mod excitation;
 mod interface;
 mod load_angle;

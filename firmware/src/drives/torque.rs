@@ -1,5 +1,6 @@
 //! Drives that close their own current loops, and take a torque, as those on a bus do.
 
+use super::encoder_tracking::EncoderTracking;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::Demand;
 use crate::safety::Fault;
@@ -16,8 +17,9 @@ pub const OLDEST_ANSWER: u16 = 2;
 /// torque within 4 ms of the last answer of one.
 pub const OLDEST_SAMPLE: f32 = 3e-3;
 
-/// Time from the end of a tick until its set-points are at both drives, in the mean [s]: on a bus of 1 Mbit/s they arrive
-/// after 0.12 ms, and 0.25 or 0.37 ms.
+/// Time from the end of a tick until its set-points are at the drives of joint 1 and joint 4 [s], on a bus of 1 Mbit/s.
+const ARRIVAL: [f32; 2] = [0.12e-3, 0.25e-3];
+/// The mean of both [s], and a reserve.
 const TRANSMISSION: f32 = 0.2e-3;
 
 /// What a drive tells of itself.
@@ -72,8 +74,13 @@ pub struct DriveStiffness {
     pub damping: f32,
 }
 
-/// The bandwidth of spring and damper, times the lag of the drive's current loop [1].
-const PER_LAG: f32 = 0.2;
+/// The bandwidth of spring and damper, times what the drive's damper is late [1], and by how much less it is for each second
+/// of the current loop's lag [1/s]: the controller's own loop is stiff, too, and late, and beside a slow drive both would
+/// leave an arm of seven tenths of the inertia a margin of less than a third.
+const PER_LAG: f32 = 0.55;
+const LESS_PER_LAG: f32 = 300.0;
+/// Its bounds [1].
+const PER_LAG_BOUNDS: [f32; 2] = [0.2, 0.4];
 /// What a drive tells its damper of its velocity is late by the current loop and by the tracking loop of its encoder: as
 /// many times the lag of the current loop, if both have the same bandwidth.
 const VELOCITY_LAGS: f32 = 3.0;
@@ -83,7 +90,10 @@ impl DriveStiffness {
     pub fn of(settings: &CheckedSettings) -> [Self; 2] {
         let ([axis1, axis4], [inertia1, inertia4]) = (&settings.axes, settings.nominal_inertia());
         [(axis1, inertia1), (axis4, inertia4)].map(|(axis, inertia)| {
-            let bandwidth = PER_LAG / (VELOCITY_LAGS * loop_lag(axis));
+            let lag = loop_lag(axis);
+            let [least, most] = PER_LAG_BOUNDS;
+            let per_lag = (PER_LAG - LESS_PER_LAG * lag).clamp(least, most);
+            let bandwidth = per_lag / (VELOCITY_LAGS * lag);
             Self {
                 stiffness: inertia * bandwidth * bandwidth,
                 damping: 2.0 * inertia * bandwidth,
@@ -112,8 +122,10 @@ pub struct TorqueDrives {
     /// Measured at the joints [N·m].
     torque: [f32; 2],
     set_point: TorqueSetPoint,
-    /// Of the drives' own current loops [s].
-    loop_lag: [f32; 2],
+    /// Of the drives' own encoders.
+    tracking: [EncoderTracking; 2],
+    /// From the moment of the counts to the middle of the time for which a set-point acts [s].
+    until_middle: [f32; 2],
     /// What the sample shows by itself.
     fault: Option<Fault>,
     /// Whether one of them gives no torque.
@@ -128,6 +140,19 @@ pub struct TorqueDrives {
 }
 
 impl TorqueDrives {
+    /// The demanded motion leads by the mean lag of both current loops, which the springs do not need, and by that of the
+    /// transmission, which is each drive's own.
+    fn tracking(settings: &Settings) -> [EncoderTracking; 2] {
+        let [lag1, lag4] = [&settings.axes[0], &settings.axes[1]].map(loop_lag);
+        let period = 1.0 / settings.control.tick_rate;
+        let ago = TRANSMISSION + 0.5 * (lag1 + lag4);
+        let [arrival1, arrival4] = ARRIVAL;
+        [
+            EncoderTracking::new(lag1, ago - arrival1, period),
+            EncoderTracking::new(lag4, ago - arrival4, period),
+        ]
+    }
+
     /// [`Drives::lag`] at this tick rate [Hz] with drives whose current loops have this lag [s].
     pub fn lag_of(tick_rate: f32, loop_lag: f32) -> f32 {
         TRANSMISSION + 0.5 / tick_rate + loop_lag
@@ -147,7 +172,9 @@ impl Drives for TorqueDrives {
         Self {
             torque: [0.0; 2],
             set_point: TorqueSetPoint::default(),
-            loop_lag: [axis1, axis4].map(loop_lag),
+            tracking: Self::tracking(settings),
+            until_middle: [axis1, axis4]
+                .map(|axis| axis.encoder_latency + TRANSMISSION + 0.5 / settings.control.tick_rate),
             fault: None,
             is_off: true,
             clear_ordered: false,
@@ -207,33 +234,34 @@ impl Drives for TorqueDrives {
         self.is_off.then_some(Fault::DriveError)
     }
 
-    /// The demanded motion leads by the lag of the drive's loop, which its spring does not need.
     #[inline(always)]
     fn drive(&mut self, demand: &Demand) -> bool {
+        let ([omega1, omega4], [until1, until4]) = (demand.velocity, self.until_middle);
         self.set_point = TorqueSetPoint {
             torque: demand.torque,
-            // Where the joint is and moves to: without force.
-            ahead: [0.0; 2],
+            // Where the joint will be, as it moves: without force.
+            ahead: [until1 * omega1, until4 * omega4],
             velocity: demand.velocity,
             is_stiff: demand.keeps_to_motion,
             clear_errors: false,
         };
-        if demand.keeps_to_motion {
-            let ([omega1, omega4], [alpha1, alpha4]) =
-                (demand.motion.velocity, demand.motion.acceleration);
-            let [lag1, lag4] = self.loop_lag;
-            let [u1, u4] = Vector2::units(demand.counted);
-            let [d1, d4] = demand.motion.direction.map(Vector2::from);
-            let (ahead1, ahead4) = (small_angle(u1.cross_z(d1)), small_angle(u4.cross_z(d4)));
-            self.set_point.ahead = [
-                ahead1 - lag1 * (omega1 - 0.5 * lag1 * alpha1),
-                ahead4 - lag4 * (omega4 - 0.5 * lag4 * alpha4),
-            ];
-            self.set_point.velocity = [
-                omega1 - VELOCITY_LAGS * lag1 * alpha1,
-                omega4 - VELOCITY_LAGS * lag4 * alpha4,
-            ];
+        let [tracking1, tracking4] = &mut self.tracking;
+        if !demand.keeps_to_motion {
+            tracking1.restart();
+            tracking4.restart();
+            return false;
         }
+        let ([omega1, omega4], [alpha1, alpha4]) =
+            (demand.motion.velocity, demand.motion.acceleration);
+        let [u1, u4] = Vector2::units(demand.counted);
+        let [d1, d4] = demand.motion.direction.map(Vector2::from);
+        let told1 = tracking1.follow(d1, omega1, alpha1);
+        let told4 = tracking4.follow(d4, omega4, alpha4);
+        self.set_point.ahead = [
+            small_angle(u1.cross_z(d1)) - told1.behind,
+            small_angle(u4.cross_z(d4)) - told4.behind,
+        ];
+        self.set_point.velocity = [told1.velocity, told4.velocity];
         false
     }
 
@@ -324,6 +352,6 @@ impl Drives for TorqueDrives {
 
 /// A small angle from its sine.
 #[inline(always)]
-fn small_angle(sine: f32) -> f32 {
+pub(super) fn small_angle(sine: f32) -> f32 {
     sine + sine * sine * sine * (1.0 / 6.0)
 }

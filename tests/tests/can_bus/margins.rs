@@ -1,7 +1,7 @@
 //! The margin of the position loop through the bus, from the frequency response of the sampled loop: the controller's law
 //! as equations, the drive's loops and delays as transfer functions.
 
-use fivebar_files::robot::Robot;
+use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::drives::can::sensed_after;
 use fivebar_firmware::drives::{DriveStiffness, Drives, Stage, TorqueDrives};
 use nalgebra::Complex;
@@ -69,13 +69,30 @@ fn the_loop_through_the_bus_keeps_its_margin_with_and_without_the_drives_spring(
     let leg = Robot::load("leg").unwrap();
     // The arm's inertia as a share of the model's, and the margins without and with the spring.
     for (inertia, margins) in [
-        (0.7, [0.45, 0.72]),
-        (1.0, [0.57, 0.76]),
-        (1.5, [0.66, 0.80]),
+        (0.7, [0.45, 0.81]),
+        (1.0, [0.57, 0.83]),
+        (1.5, [0.66, 0.85]),
     ] {
         for (with_spring, least) in [false, true].into_iter().zip(margins) {
             let margin = modulus(&leg, inertia, with_spring);
             assert!(margin > least, "{inertia}, {with_spring}: {margin}");
         }
+    }
+}
+
+/// The slower a drive's current loop, the softer is the spring that leaves the loop a margin.
+#[test]
+fn slower_drives_get_softer_springs_and_keep_a_margin() {
+    for (bandwidth, least) in [
+        (2000.0, 0.56),
+        (1500.0, 0.39),
+        (1000.0, 0.37),
+        (700.0, 0.36),
+    ] {
+        let text = BuiltIn::find("leg").unwrap().text;
+        let slower = text.replace("= 3000.0", &format!("= {bandwidth:?}"));
+        let leg = Robot::parse("leg.toml", &slower).unwrap();
+        let margin = modulus(&leg, 0.7, true);
+        assert!(margin > least, "{bandwidth} rad/s: {margin}");
     }
 }

@@ -202,7 +202,7 @@ const ON_A_BUS: [Step; 10] = [
     HOMING,
     Step {
         name: "torque",
-        does: "homes the arm, then draws short strokes in the air, fast, each motor with 0.3 of its torque",
+        does: "homes the arm, then draws short strokes in the air, fast, each motor with 0.3 and then half of its torque",
         run: told_torque::told_torque,
     },
     GEOMETRY,
