@@ -44,7 +44,7 @@ impl Machine {
             board: Some("stm32f405_stepper"),
             emulated: StepDrives::IMAGE,
             torque_limit: "torque at which steps are lost",
-            shows: &[Signal::Torque],
+            shows: &[],
             boards: [Some(Board::Stm32f405Stepper), Some(StepDrives::BOARD)],
         };
         match kind {
