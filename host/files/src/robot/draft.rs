@@ -1,6 +1,7 @@
 //! A new arm: the few values that define it, and the robot file made from them.
 
 use super::draft_motors::{Motor, Motors};
+use super::proposed_limits::proposed;
 use super::sections::Limits;
 use super::{Robot, template};
 use crate::refusal::Key;
@@ -100,7 +101,33 @@ impl Draft {
              # com and inertia are those of slender rods: replace them by those of your links.\n\n",
             self.name.escape_debug()
         );
-        header + &template::filled(&self.values())
+        let mut values = self.values();
+        values.extend(self.angles());
+        header + &template::filled(&values)
+    }
+
+    /// Its angle limits and its home, if its links have a pose there.
+    fn angles(&self) -> Vec<(Key, String)> {
+        let links = Self {
+            motors: Motors::Ideal,
+            ..self.clone()
+        };
+        let robot = Robot::parse(&self.name, &template::filled(&links.values())).ok();
+        let Some((robot, proposal)) = robot.and_then(|it| proposed(&it).map(|found| (it, found)))
+        else {
+            return Vec::new();
+        };
+        let limits = |limits: [[f64; 2]; 2]| (Key::In("limits", "angle"), format!("{limits:?}"));
+        match &self.motors {
+            // A servo needs no room to search for a switch.
+            Motors::HobbyServos(motor) => {
+                vec![limits(motor.within_travel(proposal.limits, robot.home))]
+            }
+            _ => vec![
+                limits(proposal.limits),
+                (Key::Top("home"), format!("{:?}", proposal.home)),
+            ],
+        }
     }
 
     /// Checks the robot file and the controller's settings that follow from it.

@@ -194,8 +194,8 @@ impl ServoMotor {
         dead_band: 5e-6,
         frame_rate: 50.0,
     };
-    /// The middle of joint 1's angles with elbows outwards [rad]; joint 4's is its mirror image.
-    const MIDDLE: f64 = 2.1;
+    /// The share of its travel that is used.
+    const USED: f64 = 0.95;
     /// Coulomb friction of its gears over the stall torque.
     const COULOMB: f64 = 0.03;
     /// Speed [m/s], acceleration [m/s²] and jerk [m/s³] of the tool: slow, because servos follow late.
@@ -227,7 +227,7 @@ impl Motors {
     /// Keys of other sections that follow from them, with their values.
     pub(super) fn limits(&self) -> Vec<(Key, String)> {
         match self {
-            Self::HobbyServos(motor) => motor.limits(),
+            Self::HobbyServos(_) => ServoMotor::limits(),
             _ => Vec::new(),
         }
     }
@@ -338,14 +338,21 @@ impl ServoMotor {
         ]
     }
 
-    /// The joints' angles, which the travel covers, and a slow tool.
-    fn limits(&self) -> Vec<(Key, String)> {
-        let half = 0.475 * self.travel;
-        let about = |middle: f64| [tidy(middle - half), tidy(middle + half)];
-        let angles = [about(Self::MIDDLE), about(PI - Self::MIDDLE)];
+    /// As much of these angles of the joints [rad] as its travel covers, with home.
+    pub(super) fn within_travel(&self, limits: [[f64; 2]; 2], home: [f64; 2]) -> [[f64; 2]; 2] {
+        let half = 0.5 * Self::USED * self.travel;
+        let cut = |[least, greatest]: [f64; 2], home: f64| {
+            // The middle of the angles, unless home is near the end of the travel then.
+            let middle = (0.5 * (least + greatest)).clamp(home - 0.5 * half, home + 0.5 * half);
+            [least.max(middle - half), greatest.min(middle + half)].map(tidy)
+        };
+        [cut(limits[0], home[0]), cut(limits[1], home[1])]
+    }
+
+    /// A slow tool.
+    fn limits() -> Vec<(Key, String)> {
         let [speed, acceleration, jerk] = Self::MOTION.map(|value| format!("{value:?}"));
         vec![
-            (Key::In("limits", "angle"), format!("{angles:?}")),
             (Key::In("motion", "max_speed"), speed),
             (Key::In("motion", "max_acceleration"), acceleration),
             (Key::In("motion", "max_jerk"), jerk),

@@ -199,7 +199,7 @@ fn the_command_for_a_small_arm_scales_the_drawing() {
     let (message, offer, run) = new_then_sim(["", "", "0.02", "", "", "", "", "", "", ""]);
     assert!(!message.contains("cannot draw"), "{message}");
     assert!(
-        offer.contains("fivebar sim --robot") && offer.contains("--scale 0.5"),
+        offer.contains("fivebar sim --robot") && offer.contains("--scale 0.2"),
         "{offer}"
     );
     assert!(run.status.success(), "{run:?}");
