@@ -41,6 +41,8 @@ pub struct Draft {
     pub motors: Motors,
     /// Bus voltage [V].
     pub voltage: f64,
+    /// Torque of a holding brake at each joint [N·m]; none: what the arm needs.
+    pub brake_torque: Option<f64>,
 }
 
 /// Why the arm of a draft cannot be simulated.
@@ -67,6 +69,7 @@ impl Draft {
             payload: 0.03,
             motors: Motors::Brushed(Motor::TYPICAL),
             voltage: 24.0,
+            brake_torque: None,
         };
         draft.set_base(0.08);
         draft
@@ -151,9 +154,14 @@ impl Draft {
         Ok(robot)
     }
 
+    /// Torque of the holding brakes [N·m].
+    pub fn brake(&self) -> f64 {
+        self.brake_torque.unwrap_or_else(|| self.needed_brake())
+    }
+
     /// Torque [N·m] that holds an upright arm in any pose: all its mass at the end of a
     /// straight leg.
-    fn brake_torque(&self) -> f64 {
+    fn needed_brake(&self) -> f64 {
         if !self.upright {
             return 0.0;
         }
@@ -212,7 +220,7 @@ impl Draft {
                 values.push((Key::Of("actuator", index, name), value));
             }
             if is_driven {
-                let torque = format!("{:?}", self.brake_torque());
+                let torque = format!("{:?}", self.brake());
                 values.push((Key::Of("actuator", index, "brake_torque"), torque));
             }
         }

@@ -69,6 +69,8 @@ pub struct StepperMotor {
     pub inductance: f64,
     /// What its driver gives the windings.
     pub driver: DriverMode,
+    /// Counts of its encoder in a turn of the motor, if it has one.
+    pub encoder_counts: Option<u32>,
 }
 
 /// A torque drive on a CAN bus, with its motor and gear. Torques and speeds are of the drive's shaft.
@@ -150,6 +152,7 @@ impl StepperMotor {
         resistance: 1.5,
         inductance: 2.8e-3,
         driver: DriverMode::Current,
+        encoder_counts: None,
     };
     /// Coulomb friction of motor, bearings and belt over the holding torque.
     const COULOMB: f64 = 0.0125;
@@ -275,7 +278,7 @@ impl StepperMotor {
 
     fn values(&self) -> Vec<(&'static str, String)> {
         let gear = self.gear_ratio.abs();
-        vec![
+        let mut values = vec![
             word("kind", "stepper"),
             number("gear_ratio", self.gear_ratio),
             number("rotor_inertia", self.rotor_inertia),
@@ -292,7 +295,10 @@ impl StepperMotor {
                 tidy(Self::COULOMB * self.holding_torque * gear),
             ),
             number("viscous_friction", tidy(Self::VISCOUS * gear * gear)),
-        ]
+        ];
+        let counts = self.encoder_counts;
+        values.extend(counts.map(|counts| ("encoder_counts", counts.to_string())));
+        values
     }
 }
 

@@ -143,6 +143,42 @@ pub(super) fn about_motors(motors: &Motors, answer: &str) -> Vec<Question> {
     }
 }
 
+/// The questions about steppers of a hanging arm, which needs brakes, and encoders that show whether they hold it.
+pub(super) fn about_hanging(draft: &Draft) -> Vec<Question> {
+    match &draft.motors {
+        Motors::Steppers(_) if draft.upright => vec![ENCODER, BRAKE],
+        _ => Vec::new(),
+    }
+}
+
+/// The question about a stepper's encoder.
+const ENCODER: Question = Question {
+    text: Cow::Borrowed(
+        "Encoder counts per motor turn, after quadrature: a hanging arm on steppers needs encoders; 0 without",
+    ),
+    default: |draft| match &draft.motors {
+        Motors::Steppers(motor) => motor.encoder_counts.unwrap_or_default().to_string(),
+        _ => String::new(),
+    },
+    take: |draft, answer| {
+        let counts = of_type(quantity(answer, "")?, answer)?;
+        if let Motors::Steppers(motor) = &mut draft.motors {
+            motor.encoder_counts = (counts > 0).then_some(counts);
+        }
+        Ok(())
+    },
+};
+
+/// The question about a holding brake.
+const BRAKE: Question = Question {
+    text: Cow::Borrowed("Torque of the holding brake, at the joint [N·m]; 0 without"),
+    default: |draft| shown(draft.brake()),
+    take: |draft, answer| {
+        draft.brake_torque = Some(quantity(answer, "N·m")?);
+        Ok(())
+    },
+};
+
 /// The questions that follow the one about a protocol.
 pub(super) fn about_drives(motors: &Motors) -> Vec<Question> {
     let Motors::CanDrives(motor) = motors else {

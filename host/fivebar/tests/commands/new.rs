@@ -137,6 +137,50 @@ fn invalid_answers_are_explained_and_asked_again() {
     assert!(motor.brake_torque > 0.5, "{}", motor.brake_torque);
 }
 
+/// The robot of these lines, and what was said.
+fn hanging(answers: &[&str]) -> (Option<Robot>, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let all = [&["", "up", "", "", "", "", "", "", ""], answers].concat();
+    let output = new(folder.path(), &[], &(all.join("\n") + "\n"));
+    let robot = output.status.success().then(|| load(folder.path()));
+    assert_eq!(robot.is_some(), folder.path().join("arm.toml").exists());
+    (robot, message(&output))
+}
+
+/// Encoders, and what a servo can, are asked before the arm is refused, and its drives stay of their kind.
+#[test]
+fn hanging_steppers_and_servos_are_asked_for_what_they_need() {
+    let defaults = [""; 9];
+    let steppers = [&["stepper"], &defaults[..]].concat();
+    let (robot, said) = hanging(&[&steppers[..], &["4000", "0.9"]].concat());
+    let robot = robot.expect(&said);
+    assert!(robot.has_steppers_with_encoders(), "{said}");
+    for drive in robot.actuators.unwrap() {
+        assert_eq!((drive.encoder_counts, drive.brake_torque), (4000, 0.9));
+    }
+    // Without encoders the questions come again.
+    let blind = [&steppers[..], &["", ""]].concat();
+    let (robot, said) = hanging(&[&blind[..], &defaults, &["4000", ""]].concat());
+    assert!(
+        said.contains("without encoders") || said.contains("Without encoders"),
+        "{said}"
+    );
+    assert!(robot.expect(&said).has_steppers_with_encoders());
+    let weak = ["servo", "", "", "", "", "", ""];
+    let strong = ["", "", "", "3.5", "", ""];
+    let (robot, said) = hanging(&[&weak[..], &strong].concat());
+    assert!(said.contains("cannot hold joint 1"), "{said}");
+    assert!(robot.expect(&said).hobby_servos().is_some());
+    // No arm of another kind is written when the answers end.
+    for answers in [&blind[..], &weak, &[&weak[..], &[""; 6]].concat()] {
+        let (robot, said) = hanging(answers);
+        assert!(
+            robot.is_none() && said.contains("the answers end"),
+            "{said}"
+        );
+    }
+}
+
 #[test]
 fn no_file_is_written_if_the_answers_end_early() {
     let folder = tempfile::tempdir().unwrap();
