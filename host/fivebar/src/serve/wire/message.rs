@@ -349,6 +349,7 @@ mod tests {
             status,
             time: 0.0,
             speed: None,
+            drives: vec![Some([0.1, -0.2])],
             joints: None,
             elbows: None,
             modes: None,
