@@ -69,7 +69,7 @@ impl Machine {
             DriveKind::Servo => Self {
                 motors: "hobby servos",
                 board: None,
-                torque_limit: "stall torque",
+                torque_limit: "stall torque (a servo turns to each pulse with all that it has)",
                 boards: [None, Some(StepDrives::BOARD)],
                 ..steps
             },

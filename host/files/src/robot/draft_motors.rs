@@ -185,6 +185,10 @@ impl CanMotor {
         continuous_torque: 3.0,
         max_speed: 20.0,
     };
+    /// Coulomb friction of motor, bearings and gear over the peak torque.
+    const COULOMB: f64 = 0.007;
+    /// Their viscous friction at the drive's shaft [N·m·s/rad].
+    const VISCOUS: f64 = 2.2e-4;
 }
 
 impl ServoMotor {
@@ -304,6 +308,7 @@ impl StepperMotor {
 
 impl CanMotor {
     fn values(&self, index: usize) -> Vec<(&'static str, String)> {
+        let gear = self.gear_ratio.abs();
         let mut values = vec![
             word("kind", "can-torque"),
             ("node", self.nodes[index].to_string()),
@@ -312,6 +317,12 @@ impl CanMotor {
             number("peak_torque", self.peak_torque),
             number("continuous_torque", self.continuous_torque),
             number("max_speed", self.max_speed),
+            // Typical values, as none is asked.
+            number(
+                "coulomb_friction",
+                tidy(Self::COULOMB * self.peak_torque * gear),
+            ),
+            number("viscous_friction", tidy(Self::VISCOUS * gear * gear)),
         ];
         match self.protocol {
             CanProtocol::Odrive => values.push(word("protocol", "odrive")),

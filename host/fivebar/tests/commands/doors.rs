@@ -230,6 +230,12 @@ fn an_arm_of_defaults_is_commissioned_to_the_end() {
     assert!(output.status.success(), "{message}");
     let record = record(folder.path());
     assert_eq!(record["steps"].as_array().unwrap().len(), 13);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        told.contains("  – left out: the robot file states no `stiffness`"),
+        "{told}"
+    );
+    assert!(told.contains("  ✓ tip error"), "{told}");
     let after = value(&record, "tip_error_after_rms_m");
     assert!(after < 40e-6, "{after} m");
 }

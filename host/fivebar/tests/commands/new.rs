@@ -364,6 +364,11 @@ fn drives_on_a_can_bus_draw_in_both_protocols() {
         let (robot, figures) = petal_of(&[&ARM[..], &["can"], drives, &blank].concat());
         let nodes = robot.can_drives().unwrap().map(|drive| drive.node);
         assert_eq!(nodes, if drives.len() == 1 { [1, 2] } else { [3, 4] });
+        for drive in robot.actuators.unwrap() {
+            let share = drive.coulomb_friction / drive.peak_torque();
+            assert!((5e-3..1e-2).contains(&share), "{share} of the peak torque");
+            assert!(drive.viscous_friction > 0.0);
+        }
         let rms = figures["tip_error"]["rms_m"].as_f64().unwrap();
         assert!(rms < 1e-3, "{drives:?}: {rms} m");
     }

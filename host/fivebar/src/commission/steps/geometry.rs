@@ -94,10 +94,9 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
     ));
     let picture = map(&bench.robot, &study).map_err(StepError::other)?;
     Ok(Outcome {
-        found: text,
-        values,
         measured: keys,
         picture,
+        ..Outcome::new(text, values)
     })
 }
 
