@@ -6,6 +6,7 @@ pub mod clock;
 pub mod controller;
 pub mod crossing;
 pub mod drive;
+pub mod drive_values;
 pub mod excitation;
 pub mod learning;
 pub mod link;

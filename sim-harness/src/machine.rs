@@ -44,7 +44,7 @@ impl Machine {
             board: Some("stm32f405_stepper"),
             emulated: StepDrives::IMAGE,
             torque_limit: "torque at which steps are lost",
-            shows: &[Signal::Torque],
+            shows: &[],
             boards: [Some(Board::Stm32f405Stepper), Some(StepDrives::BOARD)],
         };
         match kind {
@@ -69,7 +69,7 @@ impl Machine {
             DriveKind::Servo => Self {
                 motors: "hobby servos",
                 board: None,
-                torque_limit: "stall torque",
+                torque_limit: "stall torque (a servo turns to each pulse with all that it has)",
                 boards: [None, Some(StepDrives::BOARD)],
                 ..steps
             },

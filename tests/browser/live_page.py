@@ -16,6 +16,7 @@ import access
 import commissioning
 import consoles
 import holding
+import kinds
 import layout
 import looks
 import moving
@@ -73,6 +74,8 @@ def main():
         passed("reports of studies: axe-core")
         layout.check(arguments.program, browser)
         passed("the next step in view in every state, ten tasks in two clicks each, a dropped file")
+        kinds.check(arguments.program, browser)
+        passed("steppers, drives on a bus, hobby servos: their values, their tip error, replay")
         senders.check(arguments.program, browser)
         passed("a page of another site at the senders' ports")
         commissioning.check(arguments.program, browser)

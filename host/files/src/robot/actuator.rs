@@ -92,8 +92,7 @@ impl Actuator {
 
     /// The motor's torque constant [N·m/A], if it is a drive on a bus whose file states it.
     pub fn stated_torque_constant(&self) -> Option<f64> {
-        let is_stated = self.torque_constant != CanTorque::TORQUE_CONSTANT;
-        (self.can().is_some() && is_stated).then_some(self.torque_constant)
+        self.can()?.torque_constant
     }
 
     /// Its hobby servo, if it is one.
@@ -171,6 +170,9 @@ pub struct CanTorque {
     pub protocol: Protocol,
     /// Its number on the bus.
     pub node: u8,
+    /// Torque constant of its motor [N·m/A], if the file states it; without one, a torque of 1 N·m is told as a current of
+    /// 1 A.
+    pub torque_constant: Option<f64>,
     /// [N·m].
     pub peak_torque: f64,
     /// [N·m].

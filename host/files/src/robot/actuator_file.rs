@@ -219,6 +219,7 @@ impl ActuatorFile {
             drive: Drive::CanTorque(CanTorque {
                 protocol,
                 node,
+                torque_constant: self.torque_constant,
                 peak_torque,
                 continuous_torque,
                 max_speed,

@@ -1,6 +1,7 @@
 //! A new arm: the few values that define it, and the robot file made from them.
 
 use super::draft_motors::{Motor, Motors};
+use super::proposed_limits::proposed;
 use super::sections::Limits;
 use super::{Robot, template};
 use crate::refusal::Key;
@@ -40,6 +41,8 @@ pub struct Draft {
     pub motors: Motors,
     /// Bus voltage [V].
     pub voltage: f64,
+    /// Torque of a holding brake at each joint [N·m]; none: what the arm needs.
+    pub brake_torque: Option<f64>,
 }
 
 /// Why the arm of a draft cannot be simulated.
@@ -66,6 +69,7 @@ impl Draft {
             payload: 0.03,
             motors: Motors::Brushed(Motor::TYPICAL),
             voltage: 24.0,
+            brake_torque: None,
         };
         draft.set_base(0.08);
         draft
@@ -100,7 +104,33 @@ impl Draft {
              # com and inertia are those of slender rods: replace them by those of your links.\n\n",
             self.name.escape_debug()
         );
-        header + &template::filled(&self.values())
+        let mut values = self.values();
+        values.extend(self.angles());
+        header + &template::filled(&values)
+    }
+
+    /// Its angle limits and its home, if its links have a pose there.
+    fn angles(&self) -> Vec<(Key, String)> {
+        let links = Self {
+            motors: Motors::Ideal,
+            ..self.clone()
+        };
+        let robot = Robot::parse(&self.name, &template::filled(&links.values())).ok();
+        let Some((robot, proposal)) = robot.and_then(|it| proposed(&it).map(|found| (it, found)))
+        else {
+            return Vec::new();
+        };
+        let limits = |limits: [[f64; 2]; 2]| (Key::In("limits", "angle"), format!("{limits:?}"));
+        match &self.motors {
+            // A servo needs no room to search for a switch.
+            Motors::HobbyServos(motor) => {
+                vec![limits(motor.within_travel(proposal.limits, robot.home))]
+            }
+            _ => vec![
+                limits(proposal.limits),
+                (Key::Top("home"), format!("{:?}", proposal.home)),
+            ],
+        }
     }
 
     /// Checks the robot file and the controller's settings that follow from it.
@@ -124,9 +154,14 @@ impl Draft {
         Ok(robot)
     }
 
+    /// Torque of the holding brakes [N·m].
+    pub fn brake(&self) -> f64 {
+        self.brake_torque.unwrap_or_else(|| self.needed_brake())
+    }
+
     /// Torque [N·m] that holds an upright arm in any pose: all its mass at the end of a
     /// straight leg.
-    fn brake_torque(&self) -> f64 {
+    fn needed_brake(&self) -> f64 {
         if !self.upright {
             return 0.0;
         }
@@ -185,7 +220,7 @@ impl Draft {
                 values.push((Key::Of("actuator", index, name), value));
             }
             if is_driven {
-                let torque = format!("{:?}", self.brake_torque());
+                let torque = format!("{:?}", self.brake());
                 values.push((Key::Of("actuator", index, "brake_torque"), torque));
             }
         }

@@ -69,6 +69,8 @@ pub struct StepperMotor {
     pub inductance: f64,
     /// What its driver gives the windings.
     pub driver: DriverMode,
+    /// Counts of its encoder in a turn of the motor, if it has one.
+    pub encoder_counts: Option<u32>,
 }
 
 /// A torque drive on a CAN bus, with its motor and gear. Torques and speeds are of the drive's shaft.
@@ -150,6 +152,7 @@ impl StepperMotor {
         resistance: 1.5,
         inductance: 2.8e-3,
         driver: DriverMode::Current,
+        encoder_counts: None,
     };
     /// Coulomb friction of motor, bearings and belt over the holding torque.
     const COULOMB: f64 = 0.0125;
@@ -182,6 +185,10 @@ impl CanMotor {
         continuous_torque: 3.0,
         max_speed: 20.0,
     };
+    /// Coulomb friction of motor, bearings and gear over the peak torque.
+    const COULOMB: f64 = 0.007;
+    /// Their viscous friction at the drive's shaft [N·m·s/rad].
+    const VISCOUS: f64 = 2.2e-4;
 }
 
 impl ServoMotor {
@@ -194,8 +201,8 @@ impl ServoMotor {
         dead_band: 5e-6,
         frame_rate: 50.0,
     };
-    /// The middle of joint 1's angles with elbows outwards [rad]; joint 4's is its mirror image.
-    const MIDDLE: f64 = 2.1;
+    /// The share of its travel that is used.
+    const USED: f64 = 0.95;
     /// Coulomb friction of its gears over the stall torque.
     const COULOMB: f64 = 0.03;
     /// Speed [m/s], acceleration [m/s²] and jerk [m/s³] of the tool: slow, because servos follow late.
@@ -227,7 +234,7 @@ impl Motors {
     /// Keys of other sections that follow from them, with their values.
     pub(super) fn limits(&self) -> Vec<(Key, String)> {
         match self {
-            Self::HobbyServos(motor) => motor.limits(),
+            Self::HobbyServos(_) => ServoMotor::limits(),
             _ => Vec::new(),
         }
     }
@@ -275,7 +282,7 @@ impl StepperMotor {
 
     fn values(&self) -> Vec<(&'static str, String)> {
         let gear = self.gear_ratio.abs();
-        vec![
+        let mut values = vec![
             word("kind", "stepper"),
             number("gear_ratio", self.gear_ratio),
             number("rotor_inertia", self.rotor_inertia),
@@ -292,12 +299,16 @@ impl StepperMotor {
                 tidy(Self::COULOMB * self.holding_torque * gear),
             ),
             number("viscous_friction", tidy(Self::VISCOUS * gear * gear)),
-        ]
+        ];
+        let counts = self.encoder_counts;
+        values.extend(counts.map(|counts| ("encoder_counts", counts.to_string())));
+        values
     }
 }
 
 impl CanMotor {
     fn values(&self, index: usize) -> Vec<(&'static str, String)> {
+        let gear = self.gear_ratio.abs();
         let mut values = vec![
             word("kind", "can-torque"),
             ("node", self.nodes[index].to_string()),
@@ -306,6 +317,12 @@ impl CanMotor {
             number("peak_torque", self.peak_torque),
             number("continuous_torque", self.continuous_torque),
             number("max_speed", self.max_speed),
+            // Typical values, as none is asked.
+            number(
+                "coulomb_friction",
+                tidy(Self::COULOMB * self.peak_torque * gear),
+            ),
+            number("viscous_friction", tidy(Self::VISCOUS * gear * gear)),
         ];
         match self.protocol {
             CanProtocol::Odrive => values.push(word("protocol", "odrive")),
@@ -338,14 +355,21 @@ impl ServoMotor {
         ]
     }
 
-    /// The joints' angles, which the travel covers, and a slow tool.
-    fn limits(&self) -> Vec<(Key, String)> {
-        let half = 0.475 * self.travel;
-        let about = |middle: f64| [tidy(middle - half), tidy(middle + half)];
-        let angles = [about(Self::MIDDLE), about(PI - Self::MIDDLE)];
+    /// As much of these angles of the joints [rad] as its travel covers, with home.
+    pub(super) fn within_travel(&self, limits: [[f64; 2]; 2], home: [f64; 2]) -> [[f64; 2]; 2] {
+        let half = 0.5 * Self::USED * self.travel;
+        let cut = |[least, greatest]: [f64; 2], home: f64| {
+            // The middle of the angles, unless home is near the end of the travel then.
+            let middle = (0.5 * (least + greatest)).clamp(home - 0.5 * half, home + 0.5 * half);
+            [least.max(middle - half), greatest.min(middle + half)].map(tidy)
+        };
+        [cut(limits[0], home[0]), cut(limits[1], home[1])]
+    }
+
+    /// A slow tool.
+    fn limits() -> Vec<(Key, String)> {
         let [speed, acceleration, jerk] = Self::MOTION.map(|value| format!("{value:?}"));
         vec![
-            (Key::In("limits", "angle"), format!("{angles:?}")),
             (Key::In("motion", "max_speed"), speed),
             (Key::In("motion", "max_acceleration"), acceleration),
             (Key::In("motion", "max_jerk"), jerk),

@@ -24,6 +24,7 @@ mod links;
 mod measured;
 mod newest;
 mod plausible;
+mod proposed_limits;
 mod sections;
 mod servo;
 mod settings;

@@ -1,7 +1,7 @@
 //! Values of a robot file that are valid alone and inconsistent with others or with the
 //! controller's bounds. They are refused with the line and key of the file.
 
-use fivebar_files::robot::{BUILT_IN, Robot};
+use fivebar_files::robot::{BUILT_IN, BuiltIn, Robot};
 use fivebar_firmware::settings::SettingsError;
 
 /// The default arm's file with all keys that have defaults.
@@ -190,6 +190,26 @@ fn scaled(value: &str, factor: f64) -> Option<String> {
         })
     }
     times(value.get("value")?, factor).map(|value| value.to_string())
+}
+
+/// Without one, the rest of the program counts a torque of 1 N·m as a current of 1 A, and nobody takes that for the motor's.
+#[test]
+fn a_drives_torque_constant_is_stated_also_if_it_is_1() {
+    let leg = BuiltIn::find("leg").expect("a robot").text;
+    for (line, stated) in [
+        ("torque_constant = 0.0243\n", Some(0.0243)),
+        ("torque_constant = 1.0\n", Some(1.0)),
+        ("", None),
+    ] {
+        let text = leg
+            .replace("torque_constant = 0.0243\n", line)
+            .replace("max_speed = 600.0", "max_speed = 100.0");
+        let robot = Robot::parse("leg.toml", &text).expect("a robot");
+        for actuator in robot.actuators.expect("drives") {
+            assert_eq!(actuator.stated_torque_constant(), stated);
+            assert_eq!(actuator.torque_constant, stated.unwrap_or(1.0));
+        }
+    }
 }
 
 #[test]

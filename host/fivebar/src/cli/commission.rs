@@ -172,8 +172,10 @@ fn steps(args: &Args, commissioning: &mut Commissioning) -> Result<(), StepError
             continue;
         }
         print(format_args!("{title}: {}", step.does))?;
-        let found = commissioning.run(step)?;
-        print(format_args!("  ✓ {found}"))?;
+        commissioning.run(step)?;
+        if let Some(done) = commissioning.done(step.name) {
+            print(format_args!("  {} {}", done.sign(), done.found))?;
+        }
     }
     print(commissioning.files())
 }

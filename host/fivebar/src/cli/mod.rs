@@ -4,6 +4,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod accuracy;
+mod answer;
 mod board_test;
 mod bridge;
 mod calibrate;

@@ -1,9 +1,9 @@
 //! `fivebar new`: a robot file for the user's own arm.
 
 use super::failure::{Failure, refused};
-use super::questions::{ARM, Question, about_drives, about_motors};
+use super::questions::{ARM, Question, about_drives, about_hanging, about_motors};
 use super::say::{hint, leave_output_to, say, warn};
-use fivebar_files::robot::{BuiltIn, Draft};
+use fivebar_files::robot::{BuiltIn, Draft, DraftError, Motors};
 use fivebar_report::output::{STANDARD_OUTPUT, write_new};
 use fivebar_report::text::no_demo_scale;
 use fivebar_sim::simulation::find_demo_scale;
@@ -88,13 +88,38 @@ fn interview(draft: &mut Draft, input: &mut impl BufRead) -> Result<(), Failure>
     for question in &ARM {
         last = ask(question, draft, input)?;
     }
-    for question in &about_motors(&draft.motors, &last) {
-        ask(question, draft, input)?;
+    loop {
+        let hanging = about_hanging(draft);
+        for question in about_motors(&draft.motors, &last).iter().chain(&hanging) {
+            ask(question, draft, input)?;
+        }
+        for question in &about_drives(&draft.motors) {
+            ask(question, draft, input)?;
+        }
+        let Err(reason) = draft.check() else {
+            return Ok(());
+        };
+        warn(format_args!(
+            "  Not valid: {reason}\n  The questions about the motors once more:"
+        ));
     }
-    for question in &about_drives(&draft.motors) {
-        ask(question, draft, input)?;
+}
+
+/// Whether an answer is valid, or may become so by later ones: whether steppers and hobby servos can hold a hanging arm is
+/// seen when all is known of them.
+fn check(draft: &Draft) -> Result<(), DraftError> {
+    let Err(reason) = draft.check() else {
+        return Ok(());
+    };
+    let follows = matches!(draft.motors, Motors::Steppers(_) | Motors::HobbyServos(_));
+    let lying = Draft {
+        upright: false,
+        ..draft.clone()
+    };
+    if draft.upright && follows && lying.check().is_ok() {
+        return Ok(());
     }
-    Ok(())
+    Err(reason)
 }
 
 /// Repeats a question until its answer gives a valid robot file; returns the answer.
@@ -121,7 +146,7 @@ fn ask(
         let mut changed = draft.clone();
         if let Err(reason) = (question.take)(&mut changed, &answer) {
             warn(format_args!("  Not valid: {reason}"));
-        } else if let Err(reason) = changed.check() {
+        } else if let Err(reason) = check(&changed) {
             warn(format_args!("  Not valid: {reason}"));
         } else {
             *draft = changed;

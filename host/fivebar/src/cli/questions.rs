@@ -1,21 +1,10 @@
-//! The questions of `fivebar new`, and the reading of their answers.
+//! The questions of `fivebar new`.
 
+use super::answer::{AnswerError, any_length, length, of_type, pair, quantity};
 use fivebar_files::robot::{CanMotor, CanProtocol, Draft, Motor, Motors, ServoMotor, StepperMotor};
 use fivebar_firmware::settings::AxisField;
 use fivebar_plant::DriverMode;
 use std::borrow::Cow;
-use std::str::FromStr;
-
-/// Why an answer is not valid.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum AnswerError {
-    #[error("\"{answer}\" is no valid number{}", with_unit(.unit))]
-    Number { answer: String, unit: &'static str },
-    #[error("a length must be more than 0 m, not {0}")]
-    Length(f64),
-    #[error("\"{answer}\" is none of {words}")]
-    Choice { answer: String, words: String },
-}
 
 /// A question about the arm.
 pub(super) struct Question {
@@ -143,6 +132,42 @@ pub(super) fn about_motors(motors: &Motors, answer: &str) -> Vec<Question> {
     }
 }
 
+/// The questions about steppers of a hanging arm, which needs brakes, and encoders that show whether they hold it.
+pub(super) fn about_hanging(draft: &Draft) -> Vec<Question> {
+    match &draft.motors {
+        Motors::Steppers(_) if draft.upright => vec![ENCODER, BRAKE],
+        _ => Vec::new(),
+    }
+}
+
+/// The question about a stepper's encoder.
+const ENCODER: Question = Question {
+    text: Cow::Borrowed(
+        "Encoder counts per motor turn, after quadrature: a hanging arm on steppers needs encoders; 0 without",
+    ),
+    default: |draft| match &draft.motors {
+        Motors::Steppers(motor) => motor.encoder_counts.unwrap_or_default().to_string(),
+        _ => String::new(),
+    },
+    take: |draft, answer| {
+        let counts = of_type(quantity(answer, "")?, answer)?;
+        if let Motors::Steppers(motor) = &mut draft.motors {
+            motor.encoder_counts = (counts > 0).then_some(counts);
+        }
+        Ok(())
+    },
+};
+
+/// The question about a holding brake.
+const BRAKE: Question = Question {
+    text: Cow::Borrowed("Torque of the holding brake, at the joint [N·m]; 0 without"),
+    default: |draft| shown(draft.brake()),
+    take: |draft, answer| {
+        draft.brake_torque = Some(quantity(answer, "N·m")?);
+        Ok(())
+    },
+};
+
 /// The questions that follow the one about a protocol.
 pub(super) fn about_drives(motors: &Motors) -> Vec<Question> {
     let Motors::CanDrives(motor) = motors else {
@@ -221,7 +246,7 @@ fn steppers() -> Vec<Question> {
         of_motor!(
             Steppers,
             holding_torque,
-            "Holding torque at the motor shaft",
+            "Holding torque at the motor shaft, or as 4 kgf·cm",
             ["N·m"]
         ),
         of_motor!(
@@ -260,7 +285,7 @@ const DRIVER: Question = Question {
 fn hobby_servos() -> Vec<Question> {
     vec![
         Question {
-            text: Cow::Borrowed("Shortest and longest pulse of a servo [s]"),
+            text: Cow::Borrowed("Shortest and longest pulse of a servo, or as 0.5 ms 2.5 ms [s]"),
             default: |draft| match &draft.motors {
                 Motors::HobbyServos(motor) => both(motor.pulse_range),
                 _ => String::new(),
@@ -273,17 +298,22 @@ fn hobby_servos() -> Vec<Question> {
                 Ok(())
             },
         },
-        of_motor!(HobbyServos, travel, "Angle between both", ["rad"]),
+        of_motor!(
+            HobbyServos,
+            travel,
+            "Angle between both, or as 180 deg",
+            ["rad"]
+        ),
         of_motor!(
             HobbyServos,
             max_speed,
-            "Greatest speed at this supply",
+            "Greatest speed at this supply, or as 0.1 s/60deg",
             ["rad/s"]
         ),
         of_motor!(
             HobbyServos,
             stall_torque,
-            "Stall torque at this supply",
+            "Stall torque at this supply, or as 2.2 kgf·cm",
             ["N·m"]
         ),
         of_motor!(HobbyServos, dead_band, "Dead band of the pulse", ["s"]),
@@ -418,90 +448,6 @@ fn both([first, second]: [f64; 2]) -> String {
     }
 }
 
-/// A number with or without its unit, which may have a prefix: `0.08`, `80 g`, `24V`, `0,2`.
-fn quantity(answer: &str, unit: &'static str) -> Result<f64, AnswerError> {
-    let text = answer.trim().replace(',', ".");
-    let ends = text
-        .char_indices()
-        .map(|(at, letter)| at + letter.len_utf8());
-    let read = |end: usize| {
-        Some((
-            text.get(..end)?.parse::<f64>().ok()?,
-            text.get(end..)?.trim(),
-        ))
-    };
-    let found = ends.rev().find_map(read);
-    let value = found.and_then(|(number, suffix)| Some(number * factor(suffix, unit)?));
-    let value = value.filter(|value| value.is_finite());
-    value.ok_or_else(|| AnswerError::Number {
-        answer: answer.trim().into(),
-        unit,
-    })
-}
-
-/// The units of `unit` in a suffix: 1, or 0.001 for `g` of `kg` and `mA` of `A`.
-fn factor(suffix: &str, unit: &str) -> Option<f64> {
-    let is_unit = |text: &str| !unit.is_empty() && (text == unit || (unit == "Ω" && text == "ohm"));
-    if suffix.is_empty() || is_unit(suffix) {
-        return Some(1.0);
-    }
-    if unit == "kg" {
-        return (suffix == "g").then_some(1e-3);
-    }
-    let prefixes = [("m", 1e-3), ("µ", 1e-6), ("u", 1e-6), ("k", 1e3)];
-    let known = prefixes
-        .into_iter()
-        .find(|(prefix, _)| suffix.strip_prefix(prefix).is_some_and(is_unit));
-    known.map(|(_, factor)| factor)
-}
-
-fn with_unit(unit: &str) -> String {
-    match unit {
-        "" => " here".into(),
-        unit => format!(" here, with or without its unit {unit}"),
-    }
-}
-
-/// The value as the number that its setting is.
-fn of_type<T: FromStr>(value: f64, answer: &str) -> Result<T, AnswerError> {
-    value.to_string().parse().map_err(|_| AnswerError::Number {
-        answer: answer.trim().into(),
-        unit: "",
-    })
-}
-
-fn any_length(answer: &str) -> Result<f64, AnswerError> {
-    let length = super::length::length(&answer.replace(',', "."));
-    length.map_err(|_| AnswerError::Number {
-        answer: answer.trim().into(),
-        unit: "m, cm, mm or in",
-    })
-}
-
-fn length(answer: &str) -> Result<f64, AnswerError> {
-    let length = any_length(answer)?;
-    if length > 0.0 {
-        Ok(length)
-    } else {
-        Err(AnswerError::Length(length))
-    }
-}
-
-/// One value for both, or one for each: `0.1, 0.2`, `100mm,120mm`, `0,1; 0,2`. A comma between two digits is a decimal
-/// comma, unless the answer has decimal points.
-fn pair(answer: &str, one: fn(&str) -> Result<f64, AnswerError>) -> Result<[f64; 2], AnswerError> {
-    let is_digit = |letter: Option<char>| letter.is_some_and(|letter| letter.is_ascii_digit());
-    let separates = |&(at, letter): &(usize, char)| {
-        let (before, behind) = (&answer[..at], &answer[at + letter.len_utf8()..]);
-        let is_decimal = is_digit(before.chars().next_back()) && is_digit(behind.chars().next());
-        letter == ';' || (letter == ',' && (!is_decimal || answer.contains('.')))
-    };
-    match answer.char_indices().find(separates) {
-        None => one(answer).map(|value| [value; 2]),
-        Some((at, _)) => Ok([one(&answer[..at])?, one(&answer[at + 1..])?]),
-    }
-}
-
 /// The index of the word that the answer is, or with which it begins.
 fn choice<const N: usize>(answer: &str, words: [&str; N]) -> Result<usize, AnswerError> {
     let answer = answer.trim().to_lowercase();
@@ -512,53 +458,4 @@ fn choice<const N: usize>(answer: &str, words: [&str; N]) -> Result<usize, Answe
         answer,
         words: words.join(", "),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{length, pair, quantity};
-
-    #[test]
-    fn numbers_have_units_and_decimal_commas() {
-        for (answer, unit, value) in [
-            ("80g", "kg", 0.08),
-            ("0,2", "kg", 0.2),
-            (" 80 g ", "kg", 0.08),
-            ("24V", "V", 24.0),
-            ("1.2 mH", "H", 1.2e-3),
-            ("500mA", "A", 0.5),
-            ("2,5 ohm", "Ω", 2.5),
-            ("1e-5 kg·m²", "kg·m²", 1e-5),
-            ("-3", "", -3.0),
-        ] {
-            let found = quantity(answer, unit).unwrap();
-            assert!((found - value).abs() < 1e-15, "{answer}: {found}");
-        }
-        for wrong in ["", "nan", "inf", "80 V", "wide", "1.2.3", "1 m"] {
-            assert!(quantity(wrong, "kg").is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn two_numbers_are_apart_from_decimal_commas() {
-        for (answer, both) in [
-            ("0.1", [0.1, 0.1]),
-            ("0,1", [0.1, 0.1]),
-            ("0.1,0.2", [0.1, 0.2]),
-            ("0.1, 0.2", [0.1, 0.2]),
-            ("0,1, 0,2", [0.1, 0.2]),
-            ("0,1;0,2", [0.1, 0.2]),
-            ("100mm,150 mm", [0.1, 0.15]),
-            ("60 mm", [0.06, 0.06]),
-        ] {
-            let found = pair(answer, length).unwrap();
-            assert!(
-                (0..2).all(|one| (found[one] - both[one]).abs() < 1e-15),
-                "{answer}: {found:?}"
-            );
-        }
-        for wrong in ["-1", "0", "wide", "1,2,3", "60 kg", "0.1, "] {
-            assert!(pair(wrong, length).is_err(), "{wrong}");
-        }
-    }
 }

@@ -202,11 +202,11 @@ impl Commissioning {
         }
     }
 
-    /// Does a step, writes what it found, and returns it as a sentence.
+    /// Does a step, and writes what it found.
     ///
     /// # Errors
     /// What is wrong, and what to change.
-    pub(super) fn run(&mut self, step: &Step) -> Result<String, StepError> {
+    pub(super) fn run(&mut self, step: &Step) -> Result<(), StepError> {
         let bench = &mut self.bench;
         bench.operator.begin_step(step.name);
         let outcome = (step.run)(bench).inspect_err(|_| bench.report_fault());
@@ -230,9 +230,10 @@ impl Commissioning {
         let done = Done {
             step: step.name.into(),
             date: today(),
-            found: outcome.found.clone(),
+            found: outcome.found,
             values: outcome.values,
             in_robot_file: new.is_some(),
+            left_out: outcome.left_out,
         };
         self.record.add(done, new.as_deref())?;
         bench.placement = self.record.placement();
@@ -241,7 +242,7 @@ impl Commissioning {
             bench.upload()?;
             self.text = new;
         }
-        Ok(outcome.found)
+        Ok(())
     }
 }
 

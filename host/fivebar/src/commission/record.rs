@@ -61,6 +61,16 @@ pub(crate) struct Done {
     /// Whether it changed the robot file.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(super) in_robot_file: bool,
+    /// Whether this arm has nothing that the step could measure.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) left_out: bool,
+}
+
+impl Done {
+    /// The sign before what was found: of a step that was done, or left out.
+    pub(crate) fn sign(&self) -> &'static str {
+        if self.left_out { "–" } else { "✓" }
+    }
 }
 
 /// The whole record.

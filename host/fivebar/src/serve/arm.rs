@@ -1,6 +1,7 @@
 //! The description of the arm for pages, sent before the arm moves.
 
 use fivebar_files::robot::{HomeError, Robot};
+use fivebar_sim::drive_values::{DriveValue, DriveValues, tip_error_of};
 use fivebar_sim::machine::{Machine, Signal};
 use serde::Serialize;
 
@@ -13,7 +14,11 @@ struct Arm<'a> {
     /// What turns its joints.
     motors: &'a str,
     /// What a state tells of its drives; the rest is 0.
-    shows: &'a [Signal],
+    shows: Vec<Signal>,
+    /// What a state has as `drives`, in this order.
+    drives: &'static [DriveValue],
+    /// What the tip error that a state shows is of.
+    tip_error: &'static str,
     base: f64,
     tool_offset: [f64; 2],
     /// Least and greatest θ1 and θ4.
@@ -26,7 +31,11 @@ struct Arm<'a> {
 ///
 /// # Errors
 /// The robot has no home pose.
-pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, HomeError> {
+pub(super) fn describe(
+    robot: &Robot,
+    place: &str,
+    values: &DriveValues,
+) -> Result<String, HomeError> {
     let pose = robot.home_pose()?;
     let [b, c, d] = [pose.b, pose.c, pose.d].map(|point| [point.x, point.y]);
     let machine = Machine::of(robot.drive_kind());
@@ -34,7 +43,11 @@ pub(super) fn describe(robot: &Robot, place: &str) -> Result<String, HomeError> 
         name: &robot.name,
         place,
         motors: machine.motors,
-        shows: machine.shows,
+        shows: (machine.shows.iter().copied())
+            .filter(|signal| *signal != Signal::Current || values.knows_current())
+            .collect(),
+        drives: values.names(),
+        tip_error: tip_error_of(robot),
         base: robot.geometry.base(),
         tool_offset: robot.tool.offset,
         angle_limits: robot.limits.angle,

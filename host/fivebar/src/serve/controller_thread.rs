@@ -25,6 +25,7 @@ use fivebar_firmware::safety::Fault;
 use fivebar_kinematics::five_bar::Side;
 use fivebar_report::text::next_step;
 use fivebar_sim::controller::{Session, SpeedMeter, sentence};
+use fivebar_sim::drive_values::DriveValues;
 use fivebar_sim::link::LinkError;
 use fivebar_sim::simulation::fault_name;
 use fivebar_sim::time_optimal::JobPlanner;
@@ -55,6 +56,7 @@ pub(super) struct ControllerThread {
     /// Who holds the control of the motion that goes on while it is held.
     pub(super) held_by: Option<HeldBy>,
     trail: Trail,
+    drives: DriveValues,
     /// The fault last sent to all pages, or that there is none; `None` before the first.
     sent_fault: Option<Option<Fault>>,
     pub(super) jobs: JobThread,
@@ -100,6 +102,7 @@ impl ControllerThread {
         let preview = Preview::new(&session.settings);
         let speed = SpeedMeter::from(0.0, session.clock.now());
         Ok(Self {
+            drives: DriveValues::of(&robot, &session.settings),
             session,
             senders,
             console: None,
@@ -318,6 +321,7 @@ impl ControllerThread {
             status,
             time,
             speed: self.speed.at(time, now),
+            drives: self.drives.at(status),
             joints: pose.map(|pose| [pose.b, pose.c, pose.d].map(|point| [point.x, point.y])),
             elbows: pose.map(|pose| self.preview.branch(&pose).elbows),
             modes: self.modes.reachable(),

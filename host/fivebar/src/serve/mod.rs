@@ -75,6 +75,7 @@ use fivebar_files::job::JobReader;
 use fivebar_files::robot::Robot;
 use fivebar_sim::clock::Clock;
 use fivebar_sim::controller::{ControllerSource, open};
+use fivebar_sim::drive_values::DriveValues;
 use fivebar_sim::time_optimal::JobPlanner;
 use std::net::SocketAddr;
 use wire::updates::Updates;
@@ -118,7 +119,7 @@ pub fn serve(
     let listener = accept::listen(address);
     let listener = listener.map_err(|source| ServeError::Listen { address, source })?;
     let (mut session, place) = open(robot, source, &options.clock)?;
-    let arm = arm::describe(robot, &place)?;
+    let arm = arm::describe(robot, &place, &DriveValues::of(robot, &session.settings))?;
     let maps = maps::describe(robot, session.settings.assembly())?;
     let senders = (options.senders)(robot, &mut session, &place);
     let senders = senders.map_err(ServeError::Senders)?;

@@ -33,7 +33,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 26] = [
+const ASSETS: [Asset; 27] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -65,6 +65,7 @@ const ASSETS: [Asset; 26] = [
     ("/keys.js", SCRIPT, include_str!("page/keys.js")),
     ("/layers.js", SCRIPT, include_str!("page/layers.js")),
     ("/map.js", SCRIPT, include_str!("page/map.js")),
+    ("/drives.js", SCRIPT, include_str!("page/drives.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),
     ("/recording.js", SCRIPT, include_str!("page/recording.js")),

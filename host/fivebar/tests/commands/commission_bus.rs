@@ -171,8 +171,7 @@ fn arms_on_a_bus_get_to_the_end() {
     }
 }
 
-/// Its file has no limits of the angles, so the plate has holes on all sides. It has no torque constant either: nobody knows
-/// which current gives the torque, and nobody says so.
+/// Its file has no torque constant: nobody knows which current gives the torque, and nobody says so.
 #[test]
 fn an_arm_that_new_proposes_with_odrives_gets_to_the_end() {
     let mut draft = Draft::new("proposed");

@@ -432,6 +432,9 @@ fn a_sound_arm_on_hobby_servos_gets_to_the_end() {
         let found = value(&record, &format!("dead_band{number}_s"));
         assert!((2e-6..15e-6).contains(&found), "{found}");
     }
+    // On its way to the first stroke the tool is 30 mm from where it is told to be.
+    let greatest = value(&record, "tip_error_before_max_m");
+    assert!(greatest < 15e-3, "{greatest} m");
     let after = value(&record, "tip_error_after_rms_m");
     assert!(after < 5e-3, "{after} m");
 }

@@ -214,6 +214,32 @@ fn marks_for_a_photograph_are_drawn_around_a_job_whatever_turns_the_joints() {
 }
 
 /// The arm of `fivebar new`, with a fifth of the ticks, for a quick test.
+/// Its limits of the angles keep holes and motions in front of its base.
+#[test]
+fn an_arm_of_defaults_is_commissioned_to_the_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = fivebar_testkit::program(env!("CARGO_BIN_EXE_fivebar"))
+        .args(["new", "arm.toml", "--defaults"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(made.status.success());
+    let file = folder.path().join("arm.toml");
+    let output = commission(folder.path(), &["--robot", &file.display().to_string()]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    let record = record(folder.path());
+    assert_eq!(record["steps"].as_array().unwrap().len(), 13);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        told.contains("  – left out: the robot file states no `stiffness`"),
+        "{told}"
+    );
+    assert!(told.contains("  ✓ tip error"), "{told}");
+    let after = value(&record, "tip_error_after_rms_m");
+    assert!(after < 40e-6, "{after} m");
+}
+
 #[test]
 fn a_new_arm_is_commissioned_to_the_end() {
     let folder = tempfile::tempdir().unwrap();

@@ -137,6 +137,50 @@ fn invalid_answers_are_explained_and_asked_again() {
     assert!(motor.brake_torque > 0.5, "{}", motor.brake_torque);
 }
 
+/// The robot of these lines, and what was said.
+fn hanging(answers: &[&str]) -> (Option<Robot>, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let all = [&["", "up", "", "", "", "", "", "", ""], answers].concat();
+    let output = new(folder.path(), &[], &(all.join("\n") + "\n"));
+    let robot = output.status.success().then(|| load(folder.path()));
+    assert_eq!(robot.is_some(), folder.path().join("arm.toml").exists());
+    (robot, message(&output))
+}
+
+/// Encoders, and what a servo can, are asked before the arm is refused, and its drives stay of their kind.
+#[test]
+fn hanging_steppers_and_servos_are_asked_for_what_they_need() {
+    let defaults = [""; 9];
+    let steppers = [&["stepper"], &defaults[..]].concat();
+    let (robot, said) = hanging(&[&steppers[..], &["4000", "0.9"]].concat());
+    let robot = robot.expect(&said);
+    assert!(robot.has_steppers_with_encoders(), "{said}");
+    for drive in robot.actuators.unwrap() {
+        assert_eq!((drive.encoder_counts, drive.brake_torque), (4000, 0.9));
+    }
+    // Without encoders the questions come again.
+    let blind = [&steppers[..], &["", ""]].concat();
+    let (robot, said) = hanging(&[&blind[..], &defaults, &["4000", ""]].concat());
+    assert!(
+        said.contains("without encoders") || said.contains("Without encoders"),
+        "{said}"
+    );
+    assert!(robot.expect(&said).has_steppers_with_encoders());
+    let weak = ["servo", "", "", "", "", "", ""];
+    let strong = ["", "", "", "3.5", "", ""];
+    let (robot, said) = hanging(&[&weak[..], &strong].concat());
+    assert!(said.contains("cannot hold joint 1"), "{said}");
+    assert!(robot.expect(&said).hobby_servos().is_some());
+    // No arm of another kind is written when the answers end.
+    for answers in [&blind[..], &weak, &[&weak[..], &[""; 6]].concat()] {
+        let (robot, said) = hanging(answers);
+        assert!(
+            robot.is_none() && said.contains("the answers end"),
+            "{said}"
+        );
+    }
+}
+
 #[test]
 fn no_file_is_written_if_the_answers_end_early() {
     let folder = tempfile::tempdir().unwrap();
@@ -199,7 +243,7 @@ fn the_command_for_a_small_arm_scales_the_drawing() {
     let (message, offer, run) = new_then_sim(["", "", "0.02", "", "", "", "", "", "", ""]);
     assert!(!message.contains("cannot draw"), "{message}");
     assert!(
-        offer.contains("fivebar sim --robot") && offer.contains("--scale 0.5"),
+        offer.contains("fivebar sim --robot") && offer.contains("--scale 0.2"),
         "{offer}"
     );
     assert!(run.status.success(), "{run:?}");
@@ -320,6 +364,11 @@ fn drives_on_a_can_bus_draw_in_both_protocols() {
         let (robot, figures) = petal_of(&[&ARM[..], &["can"], drives, &blank].concat());
         let nodes = robot.can_drives().unwrap().map(|drive| drive.node);
         assert_eq!(nodes, if drives.len() == 1 { [1, 2] } else { [3, 4] });
+        for drive in robot.actuators.unwrap() {
+            let share = drive.coulomb_friction / drive.peak_torque();
+            assert!((5e-3..1e-2).contains(&share), "{share} of the peak torque");
+            assert!(drive.viscous_friction > 0.0);
+        }
         let rms = figures["tip_error"]["rms_m"].as_f64().unwrap();
         assert!(rms < 1e-3, "{drives:?}: {rms} m");
     }

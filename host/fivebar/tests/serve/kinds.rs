@@ -7,12 +7,12 @@ use fivebar_files::robot::Robot;
 use serde_json::{Value, json};
 use std::time::Duration;
 
-fn robot(name: &str) -> Robot {
+pub(crate) fn robot(name: &str) -> Robot {
     Robot::parse(name, &text(name)).expect("a robot")
 }
 
 /// How far the tool of an arm goes to and fro [mm].
-fn length_of(name: &str) -> f64 {
+pub(crate) fn length_of(name: &str) -> f64 {
     match name {
         "leg" | "mit" | "classroom_servo" => 20.0,
         _ => 30.0,
@@ -34,7 +34,7 @@ fn keeps_its_place(name: &str) -> bool {
 }
 
 /// Strokes to and fro on the lines from 3 to 6, for some seconds.
-fn load(page: &mut Page, length: f64) {
+pub(crate) fn load(page: &mut Page, length: f64) {
     let text = format!(
         "G21 G90 F2000\nM3\n{}",
         format!("G1 X{length}\nG1 X0\n").repeat(2)

@@ -4,6 +4,7 @@
 mod arms;
 mod console;
 mod crossing;
+mod drive_values;
 mod held_motion;
 mod hostile_files;
 mod in_process;

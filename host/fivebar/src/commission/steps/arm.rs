@@ -159,7 +159,13 @@ fn draw(bench: &mut Bench, [plate_x, plate_y, phi]: [f64; 3]) -> Result<Drawing,
     let moves = scenario.run_moves(&job).map_err(StepError::other)?;
     let actions = bench.operator.actions().cloned();
     let mut points = Vec::new();
+    let mut begun = false;
     let mut take = |_: usize, status: &Status| {
+        // The way to the first stroke draws nothing: a hobby servo jumps to where it is told to be first.
+        begun |= status.tool_level > 0.0;
+        if !begun {
+            return;
+        }
         let Some(reference) = status.reference else {
             return;
         };

@@ -76,10 +76,8 @@ pub(in super::super) fn dynamics(bench: &mut Bench) -> Result<Outcome, StepError
         values.extend(again.values);
         let Some([before, after]) = encoders.rms else {
             return Ok(Outcome {
-                found: text,
-                values,
                 measured: keys,
-                picture: None,
+                ..Outcome::new(text, values)
             });
         };
         keys.extend(Joint::ALL.map(|joint| {
@@ -93,10 +91,8 @@ pub(in super::super) fn dynamics(bench: &mut Bench) -> Result<Outcome, StepError
         );
     }
     Ok(Outcome {
-        found: text,
-        values,
         measured: keys,
-        picture: None,
+        ..Outcome::new(text, values)
     })
 }
 

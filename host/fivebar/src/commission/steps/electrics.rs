@@ -125,10 +125,8 @@ pub(in super::super) fn electrics(bench: &mut Bench) -> Result<Outcome, StepErro
         }
     }
     Ok(Outcome {
-        found: found.join("; "),
-        values,
         measured: keys,
-        picture: None,
+        ..Outcome::new(found.join("; "), values)
     })
 }
 

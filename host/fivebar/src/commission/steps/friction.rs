@@ -63,10 +63,8 @@ pub(in super::super) fn friction(bench: &mut Bench) -> Result<Outcome, StepError
         }
     }
     Ok(Outcome {
-        found: texts.join("; "),
-        values,
         measured: keys,
-        picture: None,
+        ..Outcome::new(texts.join("; "), values)
     })
 }
 

@@ -94,10 +94,9 @@ pub(in super::super) fn geometry(bench: &mut Bench) -> Result<Outcome, StepError
     ));
     let picture = map(&bench.robot, &study).map_err(StepError::other)?;
     Ok(Outcome {
-        found: text,
-        values,
         measured: keys,
         picture,
+        ..Outcome::new(text, values)
     })
 }
 
@@ -300,16 +299,51 @@ fn touched(bench: &mut Bench) -> Result<Vec<[f64; 4]>, StepError> {
         }
         rows.push(row);
     }
-    // From far away the arm may meet its own links on its way home.
-    let is_far = |joint: Joint| {
-        let turned = rows
-            .last()
-            .map_or(0.0, |row| row[joint.index()] - rows[0][joint.index()]);
-        turned.abs() > FAR * bench.counts_per_turn(joint).map_or(f64::INFINITY, f64::abs)
-    };
-    if Joint::ALL.into_iter().any(is_far) {
+    let [first, second] = Joint::ALL;
+    let per_turn = [
+        bench.counts_per_turn(first)?,
+        bench.counts_per_turn(second)?,
+    ];
+    if is_far(homed, &rows, per_turn) {
         bench.ask(Task::Place(homed))?;
     }
     bench.ask(Task::LetGo)?;
     Ok(rows)
+}
+
+/// Whether a joint has turned by more than [`FAR`] from home [rad] to the last hole, by counts: from there the arm may meet
+/// its own links on its way home.
+fn is_far(homed: [f64; 2], rows: &[[f64; 4]], per_turn: [f64; 2]) -> bool {
+    let Some(last) = rows.last() else {
+        return false;
+    };
+    Joint::ALL.into_iter().any(|joint| {
+        let turned = last[joint.index()] / per_turn[joint] - homed[joint] / TAU;
+        turned.abs() > FAR
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_far;
+    use std::f64::consts::TAU;
+
+    /// 1000 counts a turn, against the joint in joint 4, and half a turn from zero to home.
+    #[test]
+    fn what_counts_is_the_turn_from_home_to_the_last_hole_not_that_from_the_first_one() {
+        let (homed, per_turn) = ([0.5 * TAU, 0.0], [1000.0, -1000.0]);
+        let hole = |turns: [f64; 2]| [1000.0 * turns[0], -1000.0 * turns[1], 0.0, 0.0];
+        let (near, far) = (hole([0.6, -0.1]), hole([0.8, 0.0]));
+        let others = [hole([0.5, -0.3]), hole([0.2, 0.0])];
+        for first in [near, far] {
+            assert!(!is_far(homed, &[first, near], per_turn), "{first:?}");
+            for last in [far].into_iter().chain(others) {
+                assert!(
+                    is_far(homed, &[first, last], per_turn),
+                    "{first:?}, {last:?}"
+                );
+            }
+        }
+        assert!(!is_far(homed, &[], per_turn));
+    }
 }

@@ -43,6 +43,8 @@ pub(super) struct Outcome {
     pub(super) measured: Vec<Measured>,
     /// A picture of it as SVG.
     pub(super) picture: Option<String>,
+    /// The arm has nothing that the step could measure.
+    pub(super) left_out: bool,
 }
 
 impl Outcome {
@@ -52,6 +54,15 @@ impl Outcome {
             values,
             measured: Vec::new(),
             picture: None,
+            left_out: false,
+        }
+    }
+
+    /// Of a step that this arm does not need, or cannot do: why.
+    fn left_out(why: impl Into<String>) -> Self {
+        Self {
+            left_out: true,
+            ..Self::new(why, Vec::new())
         }
     }
 }

@@ -35,20 +35,18 @@ const USUAL: f64 = 0.65;
 /// The torque in reserve.
 pub(in super::super) fn reserve(bench: &mut Bench) -> Result<Outcome, StepError> {
     if bench.robot.homing.method != HomeMethod::Switch {
-        return Ok(Outcome::new(
-            "left as it is: without home switches nothing shows lost steps",
-            vec![],
+        return Ok(Outcome::left_out(
+            "left out: without home switches nothing shows lost steps",
         ));
     }
     if bench.robot.has_steppers_with_encoders() {
-        return Ok(Outcome::new(
-            "left as it is: the encoders show in any motion whether a motor loses steps (fault 34)",
-            vec![],
+        return Ok(Outcome::left_out(
+            "left out: the encoders show in any motion whether a motor loses steps (fault 34)",
         ));
     }
     let file = bench.robot.clone();
     if let Err(error) = JobPlanner::new(&file, 1.0) {
-        return Ok(Outcome::new(format!("left as it is: {error}"), vec![]));
+        return Ok(Outcome::left_out(format!("left out: {error}")));
     }
     // The controller refuses no motion of any share meanwhile: the strokes are planned with theirs.
     bench.robot = with_shares(&file, [MOST; 2]);

@@ -1,6 +1,6 @@
 //! The state of a commissioning, as pages get it.
 
-use crate::commission::Commissioning;
+use crate::commission::{Commissioning, Done};
 use fivebar_sim::clock::Clock;
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -16,6 +16,8 @@ pub(super) struct ShownStep {
     /// What was found and when, once done.
     found: Option<String>,
     date: Option<String>,
+    /// The sign before it.
+    sign: Option<&'static str>,
 }
 
 /// A task that waits for a person.
@@ -73,6 +75,7 @@ impl PageState {
                     does: step.does,
                     found: done.map(|done| done.found.clone()),
                     date: done.map(|done| done.date.clone()),
+                    sign: done.map(Done::sign),
                 }
             })
             .collect();
@@ -103,7 +106,7 @@ impl PageState {
     }
 
     /// The step has ended.
-    pub(super) fn end(&mut self, outcome: Result<String, String>) {
+    pub(super) fn end(&mut self, outcome: Result<(), String>) {
         self.running = None;
         self.task = None;
         self.trouble = outcome.err();

@@ -4,6 +4,7 @@ import { colour } from "./colour.js";
 import { Console } from "./console.js";
 import { Drawing } from "./drawing.js";
 import { DragHandler } from "./drag.js";
+import { Drives } from "./drives.js";
 import { alarm, connection } from "./emergency.js";
 import { listenToFiles } from "./files.js";
 import { Hold } from "./hold.js";
@@ -36,8 +37,8 @@ const drag = new DragHandler(at("arm"), drawing);
 const plots = {
   error: new Plot(at("error"), "error [µm]", ["error"], ["--one"]),
   torque: new Plot(at("torque"), "torque [N·m]", ["joint 1", "joint 4"], ["--one", "--four"]),
-  current: new Plot(at("current"), "current [A]", ["joint 1", "joint 4"], ["--one", "--four"]),
 };
+const drives = new Drives(arm.drives);
 const recording = new Recording();
 const replay = new Replay(recording, drawing, redraw);
 let me = null; // this page's number
@@ -130,7 +131,7 @@ function showState(state) {
     ? 1e6 * Math.hypot(state.tool[0] - state.reference[0], state.tool[1] - state.reference[1]) : null;
   plots.error.add(state.time, [error]);
   plots.torque.add(state.time, state.torque);
-  plots.current.add(state.time, state.current);
+  drives.show(state);
   drawing.show(state);
   recording.follow(state);
   replay.follow(state);
@@ -226,6 +227,7 @@ function redraw() {
     willDraw = false;
     if (!drawing.draw()) redraw();
     for (const plot of Object.values(plots)) plot.draw();
+    drives.draw();
   });
 }
 
@@ -419,6 +421,7 @@ drag.onView = redraw;
 
 at("name").textContent = arm.name;
 at("place").textContent = arm.place;
+at("tip-error").textContent = arm.tip_error;
 // What these drives do not measure is not shown.
 for (const part of document.querySelectorAll("[data-shows]")) part.hidden = !arm.shows.includes(part.dataset.shows);
 chooseBranch(modes[0].dataset.mode);

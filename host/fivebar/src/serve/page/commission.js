@@ -33,7 +33,7 @@ function entry(step, state) {
   if (step.name === (state.running ?? state.next)) line.setAttribute("aria-current", "step");
   const found = document.createElement("span");
   found.className = "found";
-  found.textContent = step.found ? `✓ ${step.date}: ${step.found}` : step.does;
+  found.textContent = step.found ? `${step.sign} ${step.date}: ${step.found}` : step.does;
   line.append(found);
   if (step.found && !state.running) {
     const again = document.createElement("button");

@@ -199,6 +199,8 @@ pub(in crate::serve) struct StateMessage<'a> {
     pub(in crate::serve) time: f64,
     /// Seconds of the controller per real second; none in the first second.
     pub(in crate::serve) speed: Option<f32>,
+    /// Values of both joints' drives, as `/arm.json` names them; none while they have no power.
+    pub(in crate::serve) drives: Vec<Option<[f64; 2]>>,
     /// Positions of B, C, D [m]; none until the arm is homed.
     pub(in crate::serve) joints: Option<[[f32; 2]; 3]>,
     /// The arm's working mode; none until the arm is homed.
@@ -347,6 +349,7 @@ mod tests {
             status,
             time: 0.0,
             speed: None,
+            drives: vec![Some([0.1, -0.2])],
             joints: None,
             elbows: None,
             modes: None,
