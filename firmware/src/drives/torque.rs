@@ -1,5 +1,6 @@
 //! Drives that close their own current loops, and take a torque, as those on a bus do.
 
+use super::words::{PEAK_TORQUE, SensedWords};
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::Demand;
 use crate::safety::Fault;
@@ -125,12 +126,23 @@ pub struct TorqueDrives {
     is_absolute: bool,
     /// Motor current per joint torque, 1/(N k) [A/(N·m)].
     current_per_torque: [f32; 2],
+    /// The log's words per joint torque [1/(N·m)].
+    words_per_torque: [f32; 2],
 }
 
 impl TorqueDrives {
     /// [`Drives::lag`] at this tick rate [Hz] with drives whose current loops have this lag [s].
     pub fn lag_of(tick_rate: f32, loop_lag: f32) -> f32 {
         TRANSMISSION + 0.5 / tick_rate + loop_lag
+    }
+
+    /// The log's words of the joints' torques [N·m], the nearest ones.
+    #[inline(always)]
+    fn torque_words(&self, [torque1, torque4]: [f32; 2]) -> [u16; 2] {
+        let [per1, per4] = self.words_per_torque;
+        // `as` saturates, and cuts towards 0.
+        [torque1 * per1, torque4 * per4]
+            .map(|word| (word + if word < 0.0 { -0.5 } else { 0.5 }) as i16 as u16)
     }
 }
 
@@ -155,6 +167,7 @@ impl Drives for TorqueDrives {
             is_absolute: settings.home_reference.method == HomingMethod::Absolute,
             current_per_torque: [axis1, axis4]
                 .map(|axis| 1.0 / (axis.gear_ratio * axis.torque_constant)),
+            words_per_torque: settings.peak_torque().map(|peak| PEAK_TORQUE / peak),
         }
     }
 
@@ -235,6 +248,20 @@ impl Drives for TorqueDrives {
             ];
         }
         false
+    }
+
+    #[inline(always)]
+    fn sensed_words(&self, sample: &TorqueSample) -> SensedWords {
+        let [age1, age4] = sample.age.map(|age| age.min(255));
+        SensedWords {
+            joints: self.torque_words(sample.torque),
+            both: age1 | age4 << 8,
+        }
+    }
+
+    #[inline(always)]
+    fn told_words(&self, command: &TorqueSetPoint) -> [u16; 2] {
+        self.torque_words(command.torque)
     }
 
     #[inline(always)]

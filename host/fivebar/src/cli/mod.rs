@@ -37,6 +37,7 @@ mod plan;
 mod port;
 mod query;
 mod questions;
+mod raw_inputs;
 mod repeat;
 mod rewrite;
 mod robots;
