@@ -332,12 +332,14 @@ impl<'b> Session<'b> {
                 self.hostile = None;
             }
         }
-        self.board.sample = sample;
+        self.board.sample = sample.with_drives(sample.drives.into());
         let command = self.controller.tick(&sample);
-        self.board
-            .log
-            .recorder()
-            .record(&sample, &command, self.controller.ticks());
+        self.board.log.recorder().record(
+            self.controller.drives(),
+            &sample,
+            &command,
+            self.controller.ticks(),
+        );
         let status = self.controller.status();
         self.rules.check(tick, &sample, &command, &status)?;
         let followed = status
