@@ -121,7 +121,7 @@ impl Robot {
         match self.drive_kind() {
             DriveKind::CanTorque => Ok(self),
             _ => self.other_drives(
-                "only of brushed motors and of drives on a CAN bus the torque is known",
+                "only loops over brushed motors and drives on a CAN bus are the controller's, and only their torques are known",
             ),
         }
     }
