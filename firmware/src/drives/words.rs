@@ -8,7 +8,6 @@
 //!
 //! A torque is one at the joint, as a signed share of the drive's peak torque: that is [`PEAK_TORQUE`].
 
-use super::BrushedSample;
 use serde::{Deserialize, Serialize};
 
 /// The word of a drive's peak torque. A word holds up to twice as much.
@@ -21,16 +20,6 @@ pub struct SensedWords {
     pub joints: [u16; 2],
     /// Of both.
     pub both: u16,
-}
-
-impl From<BrushedSample> for SensedWords {
-    #[inline(always)]
-    fn from(sample: BrushedSample) -> Self {
-        Self {
-            joints: sample.current,
-            both: sample.bus_voltage,
-        }
-    }
 }
 
 /// The torque of a word [N·m], of a drive with this peak torque at the joint [N·m].

@@ -40,6 +40,16 @@ pub struct BrushedSample {
     pub bus_voltage: u16,
 }
 
+impl From<BrushedSample> for SensedWords {
+    #[inline(always)]
+    fn from(sample: BrushedSample) -> Self {
+        Self {
+            joints: sample.current,
+            both: sample.bus_voltage,
+        }
+    }
+}
+
 /// What the bridges do until the next tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BrushedCommand {
