@@ -2,12 +2,16 @@
 //! drive senses or does is its own: [`Drives::Sample`](crate::drives::Drives::Sample) and
 //! [`Drives::Command`](crate::drives::Drives::Command).
 
+use crate::drives::words::SensedWords;
 use crate::drives::{BrushedCommand, BrushedSample};
 use crate::settings::Share;
 use serde::{Deserialize, Serialize};
 
 /// The sample of an arm with brushed motors on H-bridges.
 pub type SensorSample = ArmSample<BrushedSample>;
+
+/// The sample of an arm with drives of any kind, as a host reads it.
+pub type ToldSample = ArmSample<SensedWords>;
 
 /// The command of an arm with brushed motors on H-bridges.
 pub type ActuatorCommand = ArmCommand<BrushedCommand>;

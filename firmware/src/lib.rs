@@ -16,7 +16,7 @@ pub mod settings;
 pub mod storage;
 
 pub use controller::{ArmController, Controller, Request, Status};
-pub use io::{ActuatorCommand, ArmCommand, ArmSample, SensorSample};
+pub use io::{ActuatorCommand, ArmCommand, ArmSample, SensorSample, ToldSample};
 pub use motion::{ARC_TOLERANCE, CrossingMove, FULL_TOOL, Move, MoveKind, TimedCurve, TimedMove};
 pub use planner::Planner;
 pub use settings::Settings;

@@ -3,7 +3,9 @@
 //! The tick's interrupt records a row, and the session below it begins the log and reads it. All
 //! fields are atomic, so neither waits for the other: while the log is set up, it is idle.
 
-use crate::io::{ActuatorCommand, SensorSample};
+use crate::drives::Drives;
+use crate::drives::words::SensedWords;
+use crate::io::{ArmCommand, ArmSample};
 use core::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, Ordering};
 use serde::{Deserialize, Serialize};
 
@@ -22,17 +24,18 @@ bitflags::bitflags! {
         const COUNTS_1 = 1;
         /// The same of joint 4.
         const COUNTS_4 = 2;
-        /// The current of joint 1 [ADC codes].
-        const CURRENT_1 = 4;
+        /// What the drive of joint 1 senses: of a brushed motor its current [ADC codes], of other drives as in
+        /// [`words`](crate::drives::words).
+        const SENSED_1 = 4;
         /// The same of joint 4.
-        const CURRENT_4 = 8;
-        /// The duty of joint 1 times 32767, as a signed number. It was computed from this row's
-        /// sample and acts from the next tick on.
-        const DUTY_1 = 16;
+        const SENSED_4 = 8;
+        /// What the drive of joint 1 is told: of a brushed motor its duty times 32767, as a signed number. It was computed
+        /// from this row's sample and acts from the next tick on.
+        const TOLD_1 = 16;
         /// The same of joint 4.
-        const DUTY_4 = 32;
-        /// The bus voltage [ADC codes].
-        const BUS_VOLTAGE = 64;
+        const TOLD_4 = 32;
+        /// What is sensed of both drives: with brushed motors the bus voltage [ADC codes].
+        const SENSED_OF_BOTH = 64;
         /// Bits from the lowest: home switches of joints 1 and 4, emergency stop, fault outputs of
         /// bridges 1 and 4, enables of bridges 1 and 4, brake; above them the missed ticks, 255 at
         /// most.
@@ -201,9 +204,15 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Records a tick, if a row is due. Its number counts from the reset.
+    /// Records a tick of a controller with these drives, if a row is due. Its number counts from the reset.
     #[inline(always)]
-    pub fn record(&self, sample: &SensorSample, command: &ActuatorCommand, tick: u32) {
+    pub fn record<D: Drives>(
+        &self,
+        drives: &D,
+        sample: &ArmSample<D::Sample>,
+        command: &ArmCommand<D::Command>,
+        tick: u32,
+    ) {
         let state = self.control.state.load(Ordering::Relaxed);
         if state == EMPTY || state == FULL {
             return;
@@ -247,17 +256,17 @@ impl<'a> Recorder<'a> {
             place += signals & 1;
             signals >>= 1;
         };
-        let ([counts1, counts4], [current1, current4]) = (sample.counts, sample.drives.current);
-        let [duty1, duty4] = command.drives.duty;
-        let scaled = |duty: f32| (duty * 32_767.0) as i16 as u16;
+        let SensedWords { joints, both } = drives.sensed_words(&sample.drives);
+        let ([counts1, counts4], [sensed1, sensed4]) = (sample.counts, joints);
+        let [told1, told4] = drives.told_words(&command.drives);
         // In the order of the bits of `Signals`.
         put(counts1 as u16);
         put(counts4 as u16);
-        put(current1);
-        put(current4);
-        put(scaled(duty1));
-        put(scaled(duty4));
-        put(sample.drives.bus_voltage);
+        put(sensed1);
+        put(sensed4);
+        put(told1);
+        put(told4);
+        put(both);
         put(inputs(sample, command));
         self.control.words.store(start + row, Ordering::Relaxed);
     }
@@ -290,7 +299,7 @@ impl<'a> Recorder<'a> {
 
 /// The word of [`Signals::INPUTS`].
 #[inline(always)]
-fn inputs(sample: &SensorSample, command: &ActuatorCommand) -> u16 {
+fn inputs<S, C>(sample: &ArmSample<S>, command: &ArmCommand<C>) -> u16 {
     let ([home1, home4], [driver1, driver4]) = (sample.home, sample.driver_fault);
     let [enable1, enable4] = command.enable;
     let missed = sample.missed_ticks.min(255) as u16;

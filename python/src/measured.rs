@@ -109,7 +109,7 @@ pub(crate) fn identify(
     log: Vec<[f64; 5]>,
     second: Option<Vec<[f64; 5]>>,
 ) -> PyResult<Found> {
-    let arm = brushed(py, robot)?;
+    let arm = with_known_torque(py, robot)?;
     let refused = |refusal| error::study(py, refusal);
     let found = on_all_cores(py, || identify_robot(arm, &log))?.map_err(refused)?;
     let mut answer = identified(arm, log.len(), &found);
@@ -129,7 +129,7 @@ pub(crate) fn identify_payload(
     robot: &Robot,
     log: Vec<[f64; 5]>,
 ) -> PyResult<Found> {
-    let arm = brushed(py, robot)?;
+    let arm = with_known_torque(py, robot)?;
     let found = on_all_cores(py, || payload_of(arm, &log))?;
     let found = found.map_err(|refusal| error::study(py, refusal))?;
     let text = rewritten(py, robot, &[measured_payload(&found)])?;
@@ -140,14 +140,15 @@ pub(crate) fn identify_payload(
     ))
 }
 
-/// The log that `fivebar identify --simulate` writes: rows of time [s], θ1, θ4 [rad], current 1 and 4 [A].
+/// The log that `fivebar identify --simulate` writes: rows of time [s], θ1, θ4 [rad], current 1 and 4 [A]; of drives on a CAN
+/// bus torque 1 and 4 [N·m].
 #[pyfunction]
 pub(crate) fn simulated_log(
     py: Python<'_>,
     robot: &Robot,
     second: bool,
 ) -> PyResult<Vec<[f64; 5]>> {
-    let arm = brushed(py, robot)?;
+    let arm = with_known_torque(py, robot)?;
     let rows = on_all_cores(py, || {
         let proposed = propose_for(arm).map_err(|refusal| refusal.to_string())?;
         let excitation = &proposed[usize::from(second)].excitation;
@@ -160,13 +161,16 @@ pub(crate) fn simulated_log(
 /// The answer of `fivebar identify --propose`.
 #[pyfunction]
 pub(crate) fn excitations(py: Python<'_>, robot: &Robot) -> PyResult<String> {
-    let arm = brushed(py, robot)?;
+    let arm = with_known_torque(py, robot)?;
     let found = on_all_cores(py, || propose_for(arm))?;
     let found = found.map_err(|refusal| error::study(py, refusal))?;
     Ok(excitations_answer(arm, &found).to_string())
 }
 
-fn brushed<'r>(py: Python<'_>, robot: &'r Robot) -> PyResult<&'r fivebar_files::robot::Robot> {
-    let brushed = robot.described.brushed();
-    brushed.map_err(|refusal| error::robot(py, refusal))
+fn with_known_torque<'r>(
+    py: Python<'_>,
+    robot: &'r Robot,
+) -> PyResult<&'r fivebar_files::robot::Robot> {
+    let known = robot.described.with_known_torque();
+    known.map_err(|refusal| error::robot(py, refusal))
 }

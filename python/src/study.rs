@@ -29,8 +29,8 @@ pub(crate) fn workspace(
 /// The answer of `fivebar margins`.
 #[pyfunction]
 pub(crate) fn margins(py: Python<'_>, robot: &Robot) -> PyResult<String> {
-    let brushed = robot.described.brushed();
-    brushed.map_err(|refusal| error::robot(py, refusal))?;
+    let known = robot.described.with_known_torque();
+    known.map_err(|refusal| error::robot(py, refusal))?;
     let study = on_all_cores(py, || MarginsStudy::new(&robot.described))?;
     let study = study.map_err(|refusal| error::robot(py, refusal))?;
     Ok(study.answer().to_string())

@@ -154,9 +154,10 @@ def identification(name, folder):
     except fivebar.FivebarError:
         logs = [np.zeros((3, 5))] * 2  # an arm without motors with currents
     files = [folder / "first.csv", folder / "second.csv"]
+    drives = "torque1_nm,torque4_nm" if name == "leg" else "current1_a,current4_a"
     for log, path in zip(logs, files):
         np.savetxt(path, log, delimiter=",", comments="", fmt="%.17g",
-                   header="time_s,theta1_rad,theta4_rad,current1_a,current4_a")
+                   header=f"time_s,theta1_rad,theta4_rad,{drives}")
     return (["--robot", name, "--log", files[0], "--validate", files[1]],
             lambda: fivebar.Arm.load(name).identify(logs[0], validate=logs[1]).figures)
 

@@ -54,7 +54,7 @@ const HALVINGS: usize = 24;
 const DEPTH: usize = 10;
 
 /// The eigenvalues of a 2×2 matrix.
-fn eigenvalues(m: &Matrix2<Complex<f64>>) -> [Complex<f64>; 2] {
+pub(super) fn eigenvalues(m: &Matrix2<Complex<f64>>) -> [Complex<f64>; 2] {
     let half = m.trace() * 0.5;
     let root = (half * half - m.determinant()).sqrt();
     [half + root, half - root]
@@ -73,15 +73,45 @@ const BESIDE: [f64; 11] = [
     -0.06, -0.03, -0.015, -0.007, -0.003, 0.0, 0.003, 0.007, 0.015, 0.03, 0.06,
 ];
 
+/// Even steps in log ω from `LEAST` to half the tick rate [rad/s].
+fn even_frequencies(period: f64, count: usize) -> Vec<f64> {
+    let span = (0.999 * PI / period / LEAST).ln();
+    (0..count)
+        .map(|i| LEAST * (span * i as f64 / (count - 1) as f64).exp())
+        .collect()
+}
+
+/// Even steps for loci without resonances.
+pub(super) fn plain_frequencies(period: f64) -> Vec<f64> {
+    even_frequencies(period, POINTS)
+}
+
+/// Loci with these eigenvalues at these frequencies, and between them where they change fast.
+pub(super) fn loci_of(
+    frequencies: Vec<f64>,
+    eigenvalues: impl Fn(f64) -> [Complex<f64>; 2],
+) -> Vec<LoopPoint> {
+    let at = |omega: f64| LoopPoint {
+        omega,
+        loci: eigenvalues(omega),
+    };
+    let mut points: Vec<LoopPoint> = Vec::new();
+    for omega in frequencies {
+        let next = at(omega);
+        match points.last().copied() {
+            None => points.push(next),
+            Some(before) => refine(&at, before, next, DEPTH, &mut points),
+        }
+    }
+    points
+}
+
 impl Servo {
     /// Even steps in log ω from `LEAST` to half the tick rate [rad/s], and more of them about the
     /// resonances of the drives.
     pub(super) fn frequencies(&self, count: usize) -> Vec<f64> {
         let greatest = 0.999 * PI / self.period;
-        let span = (greatest / LEAST).ln();
-        let mut all: Vec<f64> = (0..count)
-            .map(|i| LEAST * (span * i as f64 / (count - 1) as f64).exp())
-            .collect();
+        let mut all = even_frequencies(self.period, count);
         for resonance in self.resonances() {
             let beside = BESIDE.map(|share| resonance * (1.0 + share));
             all.extend(beside.into_iter().filter(|&omega| omega < greatest));
@@ -93,19 +123,9 @@ impl Servo {
 
     /// The open loop from 1 rad/s to half the tick rate, finely where it changes fast.
     pub fn loci(&self, law: &ArmLaw) -> Vec<LoopPoint> {
-        let at = |omega: f64| LoopPoint {
-            omega,
-            loci: self.loci_at(law, &self.arm_response(omega)),
-        };
-        let mut points: Vec<LoopPoint> = Vec::new();
-        for omega in self.frequencies(POINTS) {
-            let next = at(omega);
-            match points.last().copied() {
-                None => points.push(next),
-                Some(before) => refine(&at, before, next, DEPTH, &mut points),
-            }
-        }
-        points
+        loci_of(self.frequencies(POINTS), |omega| {
+            self.loci_at(law, &self.arm_response(omega))
+        })
     }
 
     /// The eigenvalues of the open loop at one frequency, in any order.

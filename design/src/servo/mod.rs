@@ -21,6 +21,7 @@ mod arm;
 mod belt;
 mod belt_law;
 mod belt_loop;
+mod bus_loop;
 mod compliance;
 mod exponential;
 mod in_time;
@@ -36,6 +37,7 @@ pub(crate) use exponential::exponential;
 
 pub use arm::{Servo, ServoDrive};
 pub use belt::{BeltJoint, BeltTuning, MOST_LATE, tune_belt};
+pub use bus_loop::{BusDrive, BusServo};
 pub use in_time::{ClosedLoop, LoopState};
 pub use law::{ArmLaw, Gains};
 pub use margins::{LoopPoint, Margins};

@@ -81,7 +81,7 @@ impl Servo {
 
 impl ArmLaw {
     /// M K(z): the torques demanded against encoder angles.
-    fn feedback(&self, z: C, estimates: &[Estimate; 2]) -> Matrix2<C> {
+    pub(super) fn feedback(&self, z: C, estimates: &[Estimate; 2]) -> Matrix2<C> {
         if let Some(belts) = &self.belts {
             let torques = belts.response(z);
             return Matrix2::from_fn(|row, column| -torques[(row, column)]);
@@ -103,7 +103,7 @@ impl ArmLaw {
 // nalgebra's general product takes several times longer in a build for tests.
 
 /// A B.
-fn product(a: &Matrix2<C>, b: &Matrix2<C>) -> Matrix2<C> {
+pub(super) fn product(a: &Matrix2<C>, b: &Matrix2<C>) -> Matrix2<C> {
     let entry = |i: usize, j: usize| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)];
     Matrix2::new(entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1))
 }
@@ -119,14 +119,14 @@ fn columns(a: &Matrix2<C>, x: C, y: C) -> Matrix2<C> {
 }
 
 /// θ̂ and ω̂ for the measured angle.
-struct Estimate {
+pub(super) struct Estimate {
     angle: C,
     velocity: C,
 }
 
 impl Estimate {
     /// (1 − O/z)⁻¹ o, with o the response to the measured angle.
-    fn new(law: &Law, z: C) -> Self {
+    pub(super) fn new(law: &Law, z: C) -> Self {
         let o = law.observer.map(|x| C::new(x, 0.0) / z);
         let [x, y] = law.measured.into();
         let (p, q) = (1.0 - o[(0, 0)], 1.0 - o[(1, 1)]);

@@ -34,7 +34,7 @@ use crate::recorder::Recorder;
 use crate::safety::State;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::StorageError;
-use crate::{ArmCommand, ArmSample, SensorSample, Settings};
+use crate::{ArmCommand, ArmSample, Settings, ToldSample};
 use rtic_core::Mutex;
 
 /// What the session needs from its board, whose controller is that of an arm with these drives. Where the host steps the ticks,
@@ -72,9 +72,8 @@ pub trait Board<D: Drives = BrushedDrives, S = BrushedSample, C = BrushedCommand
         None
     }
 
-    /// The sensor sample of the last tick; `None` where samples come from the host. What the board's drives do not
-    /// sense is 0.
-    fn sample(&self) -> Option<SensorSample> {
+    /// The sensor sample of the last tick; `None` where samples come from the host.
+    fn sample(&self) -> Option<ToldSample> {
         None
     }
 

@@ -38,6 +38,12 @@ impl<D: Drives> ArmController<D> {
         self.ticks
     }
 
+    /// Its drives.
+    #[inline(always)]
+    pub fn drives(&self) -> &D {
+        &self.drives
+    }
+
     /// The controller after the last tick.
     pub fn status(&self) -> Status {
         self.status_sample().solve(&self.settings, &self.model.tool)

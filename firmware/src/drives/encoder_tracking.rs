@@ -32,67 +32,108 @@ struct Tick {
     error: [f32; 2],
 }
 
-/// M of a time.
-#[derive(Clone, Copy)]
-struct Decay {
-    e_of_e: f32,
-    e_of_g: f32,
-    g_of_g: f32,
+/// The loop's equations over a tick in which α changes evenly.
+struct Equations {
+    /// T [s].
+    lag: f32,
+    /// [s].
+    period: f32,
 }
 
-impl Decay {
-    /// After so many T.
-    fn after(times: f32) -> Self {
-        let left = libm::expf(-times);
-        Self {
-            e_of_e: left * (1.0 - times),
-            e_of_g: left * times,
-            g_of_g: left * (1.0 + times),
-        }
+impl Equations {
+    /// P(α, j).
+    fn steady(&self, alpha: f32, jerk: f32) -> [f32; 2] {
+        let squared = self.lag * self.lag;
+        let (by_alpha, by_jerk) = (squared * alpha, squared * self.lag * jerk);
+        [2.0 * by_jerk - by_alpha, 3.0 * by_jerk - 2.0 * by_alpha]
+    }
+
+    /// e and g after this time of a tick [s]: P + M (what they were before less P).
+    fn after(&self, time: f32, [e, g]: [f32; 2], [alpha0, alpha1]: [f32; 2]) -> [f32; 2] {
+        let jerk = (alpha1 - alpha0) / self.period;
+        let [e0, g0] = self.steady(alpha0, jerk);
+        let [e1, g1] = self.steady(alpha0 + time * jerk, jerk);
+        let (times, left) = (time / self.lag, libm::expf(-time / self.lag));
+        let (e, g) = (e - e0, g - g0);
+        [
+            e1 + left * (e + times * (g - e)),
+            g1 + left * (g + times * (g - e)),
+        ]
+    }
+
+    /// r less x, and v less ω, so long before a tick's end, of which ω is that of the end.
+    fn told(&self, rest: f32, error: [f32; 2], [alpha0, alpha1]: [f32; 2]) -> [f32; 2] {
+        let [e, g] = self.after(self.period - rest, error, [alpha0, alpha1]);
+        let jerk = (alpha1 - alpha0) / self.period;
+        [
+            -rest * rest * (0.5 * alpha1 - rest * jerk * (1.0 / 6.0)) - e,
+            -rest * (alpha1 - 0.5 * rest * jerk) + g / self.lag,
+        ]
+    }
+}
+
+/// A sum of e and g at a tick's begin and of α there and at its end.
+#[derive(Clone, Copy)]
+struct Row([f32; 4]);
+
+impl Row {
+    /// The two sums that a function is which has no other terms.
+    fn pair_of(function: impl Fn([f32; 2], [f32; 2]) -> [f32; 2]) -> [Self; 2] {
+        let units = [
+            function([1.0, 0.0], [0.0; 2]),
+            function([0.0, 1.0], [0.0; 2]),
+            function([0.0; 2], [1.0, 0.0]),
+            function([0.0; 2], [0.0, 1.0]),
+        ];
+        [Self(units.map(|[of, _]| of)), Self(units.map(|[_, of]| of))]
     }
 
     #[inline(always)]
-    fn of(&self, [e, g]: [f32; 2]) -> [f32; 2] {
-        [
-            self.e_of_e * e + self.e_of_g * g,
-            self.g_of_g * g - self.e_of_g * e,
-        ]
+    fn of(&self, [e, g]: [f32; 2], [alpha0, alpha1]: [f32; 2]) -> f32 {
+        let Self([by_e, by_g, by_alpha0, by_alpha1]) = self;
+        by_e * e + by_g * g + (by_alpha0 * alpha0 + by_alpha1 * alpha1)
     }
 }
 
 /// What the loop tells at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tracked {
-    /// The newest angle less x [rad].
-    pub(super) behind: f32,
+    /// x less the joint's angle [rad].
+    pub(super) ahead: f32,
     /// v [rad/s].
     pub(super) velocity: f32,
 }
 
-/// A drive's tracking loop along the demanded motion of its joint.
+/// The tracking loop of one drive.
 #[derive(Clone)]
-pub(super) struct EncoderTracking {
+struct Loop {
     ring: [Tick; KEPT],
-    newest: usize,
-    /// So many belong to the same motion.
-    kept: usize,
-    /// T [s], and T².
-    lag: f32,
-    lag_squared: f32,
-    /// 1 over the time between ticks [1/s].
-    rate: f32,
-    tick: Decay,
+    /// e and g a tick later.
+    next: [Row; 2],
     /// The moment that is told lies so many whole ticks before the newest, and this time before that [s].
     ticks_ago: usize,
     rest: f32,
-    /// From the tick before that moment to it.
-    until: Decay,
+    /// r less x and v less ω then.
+    told: [Row; 2],
+    /// e and g per α where it goes on as it is [s²].
+    steady: [f32; 2],
 }
 
-impl EncoderTracking {
-    /// A loop with the poles at −1/`lag` [1/s], asked for the moment `ago` before the newest set-point [s], which is at most
-    /// six ticks of `period` [s].
-    pub(super) fn new(lag: f32, ago: f32, period: f32) -> Self {
+/// The tracking loops of both drives along the demanded motion of their joints.
+#[derive(Clone)]
+pub(super) struct EncoderTracking {
+    loops: [Loop; 2],
+    newest: usize,
+    /// So many ticks belong to the same motion.
+    kept: usize,
+}
+
+/// A joint's direction, where it is; and its demanded motion: direction, ω [rad/s] and α [rad/s²].
+pub(super) type Motion = (Vector2<f32>, Vector2<f32>, f32, f32);
+
+impl Loop {
+    fn new(lag: f32, ago: f32, period: f32) -> Self {
+        let equations = Equations { lag, period };
         let ticks_ago = ((ago / period) as usize).min(KEPT - 2);
         let rest = (ago - ticks_ago as f32 * period).min(period);
         Self {
@@ -102,15 +143,47 @@ impl EncoderTracking {
                 alpha: 0.0,
                 error: [0.0; 2],
             }; KEPT],
-            newest: 0,
-            kept: 0,
-            lag,
-            lag_squared: lag * lag,
-            rate: 1.0 / period,
-            tick: Decay::after(period / lag),
+            next: Row::pair_of(|error, alphas| equations.after(period, error, alphas)),
             ticks_ago,
             rest,
-            until: Decay::after((period - rest) / lag),
+            told: Row::pair_of(|error, alphas| equations.told(rest, error, alphas)),
+            steady: equations.steady(1.0, 0.0),
+        }
+    }
+
+    /// The error of the next tick, behind the one at this place.
+    #[inline(always)]
+    fn error(&self, last: usize, alpha: f32) -> [f32; 2] {
+        let last = &self.ring[last];
+        let alphas = [last.alpha, alpha];
+        let [e, g] = &self.next;
+        [e.of(last.error, alphas), g.of(last.error, alphas)]
+    }
+
+    /// What the loop tells; the tick of so many ticks ago is at `place`.
+    #[inline(always)]
+    fn tracked(&self, here: Vector2<f32>, place: impl Fn(usize) -> usize) -> Tracked {
+        // The moment lies between these two.
+        let from = &self.ring[place(self.ticks_ago + 1)];
+        let to = &self.ring[place(self.ticks_ago)];
+        let alphas = [from.alpha, to.alpha];
+        let [behind, faster] = &self.told;
+        let there = small_angle(here.cross_z(to.direction));
+        Tracked {
+            ahead: there - self.rest * to.omega - behind.of(from.error, alphas),
+            velocity: to.omega + faster.of(from.error, alphas),
+        }
+    }
+}
+
+impl EncoderTracking {
+    /// Loops with the poles at −1/`lag` [1/s], asked for the moment `ago` before the newest set-point [s], which is at most
+    /// six ticks of `period` [s].
+    pub(super) fn new([lag1, lag4]: [f32; 2], [ago1, ago4]: [f32; 2], period: f32) -> Self {
+        Self {
+            loops: [Loop::new(lag1, ago1, period), Loop::new(lag4, ago4, period)],
+            newest: 0,
+            kept: 0,
         }
     }
 
@@ -120,59 +193,47 @@ impl EncoderTracking {
         self.kept = 0;
     }
 
-    /// P(α, j).
+    /// Takes the motion of this tick, and tells what the drives' loops do at their moments.
     #[inline(always)]
-    fn steady(&self, alpha: f32, jerk: f32) -> [f32; 2] {
-        let (by_alpha, by_jerk) = (self.lag_squared * alpha, self.lag_squared * self.lag * jerk);
-        [2.0 * by_jerk - by_alpha, 3.0 * by_jerk - 2.0 * by_alpha]
-    }
-
-    /// e and g after a part of the tick from `from`, at whose end α is `alpha`.
-    #[inline(always)]
-    fn later(&self, from: &Tick, decay: &Decay, alpha: f32, jerk: f32) -> [f32; 2] {
-        let ([e0, g0], [e1, g1]) = (self.steady(from.alpha, jerk), self.steady(alpha, jerk));
-        let [e, g] = from.error;
-        let [e, g] = decay.of([e - e0, g - g0]);
-        [e1 + e, g1 + g]
-    }
-
-    #[inline(always)]
-    fn ago(&self, ticks: usize) -> Tick {
-        let oldest = self.kept.saturating_sub(1);
-        let ticks = if ticks < oldest { ticks } else { oldest };
-        self.ring[(self.newest + KEPT - ticks) % KEPT]
-    }
-
-    /// Takes the motion of this tick, and tells what the drive's loop does at its moment.
-    #[inline(always)]
-    pub(super) fn follow(&mut self, direction: Vector2<f32>, omega: f32, alpha: f32) -> Tracked {
-        let error = if self.kept == 0 {
-            self.steady(alpha, 0.0)
+    pub(super) fn follow(&mut self, motions: [Motion; 2]) -> [Tracked; 2] {
+        let [loop1, loop4] = &mut self.loops;
+        let [
+            (here1, direction1, omega1, alpha1),
+            (here4, direction4, omega4, alpha4),
+        ] = motions;
+        let (error1, error4) = if self.kept == 0 {
+            (
+                loop1.steady.map(|per_alpha| per_alpha * alpha1),
+                loop4.steady.map(|per_alpha| per_alpha * alpha4),
+            )
         } else {
-            let last = self.ago(0);
-            let jerk = (alpha - last.alpha) * self.rate;
-            self.later(&last, &self.tick, alpha, jerk)
+            let last = self.newest % KEPT;
+            (loop1.error(last, alpha1), loop4.error(last, alpha4))
         };
         self.newest = (self.newest + 1) % KEPT;
-        if self.kept < KEPT {
+        let oldest = self.kept;
+        if self.kept < KEPT - 1 {
             self.kept += 1;
         }
-        self.ring[self.newest] = Tick {
-            direction,
-            omega,
-            alpha,
-            error,
+        let newest = self.newest;
+        loop1.ring[newest] = Tick {
+            direction: direction1,
+            omega: omega1,
+            alpha: alpha1,
+            error: error1,
         };
-        // The moment lies between these two.
-        let (from, to) = (self.ago(self.ticks_ago + 1), self.ago(self.ticks_ago));
-        let (rest, jerk) = (self.rest, (to.alpha - from.alpha) * self.rate);
-        let [e, g] = self.later(&from, &self.until, to.alpha - rest * jerk, jerk);
-        let since = small_angle(to.direction.cross_z(direction));
-        let before = rest * (to.omega - rest * (0.5 * to.alpha - rest * jerk * (1.0 / 6.0)));
-        Tracked {
-            behind: since + before - e,
-            velocity: to.omega - rest * (to.alpha - 0.5 * rest * jerk) + g / self.lag,
-        }
+        loop4.ring[newest] = Tick {
+            direction: direction4,
+            omega: omega4,
+            alpha: alpha4,
+            error: error4,
+        };
+        // Or the first one of this motion.
+        let place = |ticks: usize| {
+            let ticks = if ticks < oldest { ticks } else { oldest };
+            (newest + KEPT - ticks) % KEPT
+        };
+        [loop1.tracked(here1, place), loop4.tracked(here4, place)]
     }
 }
 
@@ -214,34 +275,37 @@ mod tests {
             lag in 3e-4..2e-3_f64, period in 4e-4..1e-3_f64, share in 0.0..1.0_f64, ticks in 100..200_u32,
         ) {
             let ago = share * 6.0 * period;
-            let mut tracking = EncoderTracking::new(lag as f32, ago as f32, period as f32);
-            let mut told = Tracked { behind: 0.0, velocity: 0.0 };
+            let mut tracking = EncoderTracking::new([lag as f32; 2], [ago as f32; 2], period as f32);
+            let mut told = Tracked { ahead: 0.0, velocity: 0.0 };
             for tick in 0..=ticks {
                 let [angle, omega, alpha] = swing(f64::from(tick) * period);
-                told = tracking.follow(Vector2::unit(angle as f32), omega as f32, alpha as f32);
+                let here = Vector2::unit(angle as f32);
+                told = tracking.follow([(here, here, omega as f32, alpha as f32); 2])[1];
             }
             let now = f64::from(ticks) * period;
             let [x, v] = by_small_steps(lag, now - ago);
             let [r, ..] = swing(now);
             // A chord of α over a tick misses at most A w⁴ h²/8 of it, 96 rad/s² here.
-            prop_assert!((r - f64::from(told.behind) - x).abs() < 3e-5, "{} for {}", told.behind, r - x);
+            prop_assert!((r + f64::from(told.ahead) - x).abs() < 3e-5, "{} for {}", told.ahead, x - r);
             prop_assert!((f64::from(told.velocity) - v).abs() < 0.03, "{} for {v}", told.velocity);
         }
     }
 
     #[test]
     fn at_rest_and_at_an_even_speed_the_loop_is_right() {
-        let mut tracking = EncoderTracking::new(1e-3, 1.5e-3, 1e-3);
+        let mut tracking = EncoderTracking::new([1e-3; 2], [1.5e-3; 2], 1e-3);
         for tick in 0..50_u16 {
             let angle = 2e-3 * f32::from(tick);
-            let told = tracking.follow(Vector2::unit(angle), 2.0, 0.0);
+            let here = Vector2::unit(angle);
+            let [told, _] = tracking.follow([(here, here, 2.0, 0.0); 2]);
             if tick > 8 {
-                assert!((told.behind - 3e-3).abs() < 1e-6, "{told:?}");
+                assert!((told.ahead + 3e-3).abs() < 1e-6, "{told:?}");
                 assert!((told.velocity - 2.0).abs() < 1e-6, "{told:?}");
             }
         }
         tracking.restart();
-        let told = tracking.follow(Vector2::unit(1.0), 0.0, 0.0);
-        assert_eq!((told.behind, told.velocity), (0.0, 0.0));
+        let here = Vector2::unit(1.0);
+        let [told, _] = tracking.follow([(here, here, 0.0, 0.0); 2]);
+        assert_eq!((told.ahead, told.velocity), (0.0, 0.0));
     }
 }

@@ -19,6 +19,7 @@ mod load_angle;
 mod step;
 mod step_loss;
 mod torque;
+pub mod words;
 
 use crate::safety::Fault;
 use crate::settings::{CheckedSettings, Settings};
@@ -31,6 +32,7 @@ pub use torque::{
     DriveHealth, DriveStiffness, OLDEST_ANSWER, OLDEST_SAMPLE, TorqueDrives, TorqueSample,
     TorqueSetPoint,
 };
+use words::SensedWords;
 
 /// Ticks from one watch of a joint's drive to the next, see [`Drives::watch_heat`].
 pub const WATCHED_EVERY: u32 = 16;
@@ -133,10 +135,16 @@ pub trait Drives: Clone + Send {
     /// What they need.
     const NEEDS: Needs;
 
-    /// What the log and the last sample tell of a tick. Their signals are those of brushed motors: other drives have none.
+    /// What the log and the last sample tell of what the drives sense.
     #[inline(always)]
-    fn logged(_: &Self::Sample, _: &Self::Command) -> (BrushedSample, BrushedCommand) {
-        Default::default()
+    fn sensed_words(&self, _: &Self::Sample) -> SensedWords {
+        SensedWords::default()
+    }
+
+    /// What the log tells of what the drive of each joint is told.
+    #[inline(always)]
+    fn told_words(&self, _: &Self::Command) -> [u16; 2] {
+        [0; 2]
     }
 
     /// How long the drives take from their enable until they drive [s].

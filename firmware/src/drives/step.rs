@@ -2,6 +2,7 @@
 
 use super::load_angle::LoadAngle;
 use super::step_loss::StepLoss;
+use super::words::SensedWords;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::{Demand, Motion};
 use crate::safety::Fault;
@@ -196,6 +197,19 @@ impl Drives for StepDrives {
     }
 
     #[inline(always)]
+    fn sensed_words(&self, sample: &StepSample) -> SensedWords {
+        SensedWords {
+            joints: sample.steps.map(|steps| steps as u16),
+            both: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn told_words(&self, command: &StepCommand) -> [u16; 2] {
+        command.steps.map(|steps| steps as u16)
+    }
+
+    #[inline(always)]
     fn command(&self) -> StepCommand {
         StepCommand {
             steps: self.axes.each_ref().map(|axis| axis.steps),
@@ -364,6 +378,15 @@ mod tests {
             steps,
             resolution: [nema17; 2],
         }
+    }
+
+    #[test]
+    fn the_log_tells_the_steps_that_are_made_and_those_to_make() {
+        let drives = StepDrives::new(&Settings::BENCHTOP.check().expect("settings"));
+        let words = drives.sensed_words(&made([65_537, -2]));
+        assert_eq!((words.joints, words.both), ([1, 0xFFFE], 0));
+        let told = drives.told_words(&StepCommand { steps: [3, -1] });
+        assert_eq!(told, [3, 0xFFFF]);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Drives that close their own current loops, and take a torque, as those on a bus do.
 
 use super::encoder_tracking::EncoderTracking;
+use super::words::{PEAK_TORQUE, SensedWords};
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::Demand;
 use crate::safety::Fault;
@@ -123,7 +124,7 @@ pub struct TorqueDrives {
     torque: [f32; 2],
     set_point: TorqueSetPoint,
     /// Of the drives' own encoders.
-    tracking: [EncoderTracking; 2],
+    tracking: EncoderTracking,
     /// From the moment of the counts to the middle of the time for which a set-point acts [s].
     until_middle: [f32; 2],
     /// What the sample shows by itself.
@@ -137,25 +138,32 @@ pub struct TorqueDrives {
     is_absolute: bool,
     /// Motor current per joint torque, 1/(N k) [A/(N·m)].
     current_per_torque: [f32; 2],
+    /// The log's words per joint torque [1/(N·m)].
+    words_per_torque: [f32; 2],
 }
 
 impl TorqueDrives {
     /// The demanded motion leads by the mean lag of both current loops, which the springs do not need, and by that of the
     /// transmission, which is each drive's own.
-    fn tracking(settings: &Settings) -> [EncoderTracking; 2] {
+    fn tracking(settings: &Settings) -> EncoderTracking {
         let [lag1, lag4] = [&settings.axes[0], &settings.axes[1]].map(loop_lag);
-        let period = 1.0 / settings.control.tick_rate;
         let ago = TRANSMISSION + 0.5 * (lag1 + lag4);
-        let [arrival1, arrival4] = ARRIVAL;
-        [
-            EncoderTracking::new(lag1, ago - arrival1, period),
-            EncoderTracking::new(lag4, ago - arrival4, period),
-        ]
+        let period = 1.0 / settings.control.tick_rate;
+        EncoderTracking::new([lag1, lag4], ARRIVAL.map(|arrival| ago - arrival), period)
     }
 
     /// [`Drives::lag`] at this tick rate [Hz] with drives whose current loops have this lag [s].
     pub fn lag_of(tick_rate: f32, loop_lag: f32) -> f32 {
         TRANSMISSION + 0.5 / tick_rate + loop_lag
+    }
+
+    /// The log's words of the joints' torques [N·m], the nearest ones.
+    #[inline(always)]
+    fn torque_words(&self, [torque1, torque4]: [f32; 2]) -> [u16; 2] {
+        let [per1, per4] = self.words_per_torque;
+        // `as` saturates, and cuts towards 0.
+        [torque1 * per1, torque4 * per4]
+            .map(|word| (word + if word < 0.0 { -0.5 } else { 0.5 }) as i16 as u16)
     }
 }
 
@@ -182,6 +190,7 @@ impl Drives for TorqueDrives {
             is_absolute: settings.home_reference.method == HomingMethod::Absolute,
             current_per_torque: [axis1, axis4]
                 .map(|axis| 1.0 / (axis.gear_ratio * axis.torque_constant)),
+            words_per_torque: settings.peak_torque().map(|peak| PEAK_TORQUE / peak),
         }
     }
 
@@ -236,33 +245,43 @@ impl Drives for TorqueDrives {
 
     #[inline(always)]
     fn drive(&mut self, demand: &Demand) -> bool {
-        let ([omega1, omega4], [until1, until4]) = (demand.velocity, self.until_middle);
+        let (ahead, velocity) = if demand.keeps_to_motion {
+            let ([omega1, omega4], [alpha1, alpha4]) =
+                (demand.motion.velocity, demand.motion.acceleration);
+            let [u1, u4] = Vector2::units(demand.counted);
+            let [d1, d4] = demand.motion.direction.map(Vector2::from);
+            let [told1, told4] = self
+                .tracking
+                .follow([(u1, d1, omega1, alpha1), (u4, d4, omega4, alpha4)]);
+            ([told1.ahead, told4.ahead], [told1.velocity, told4.velocity])
+        } else {
+            self.tracking.restart();
+            let ([omega1, omega4], [until1, until4]) = (demand.velocity, self.until_middle);
+            // Where the joint will be, as it moves: without force.
+            ([until1 * omega1, until4 * omega4], demand.velocity)
+        };
         self.set_point = TorqueSetPoint {
             torque: demand.torque,
-            // Where the joint will be, as it moves: without force.
-            ahead: [until1 * omega1, until4 * omega4],
-            velocity: demand.velocity,
+            ahead,
+            velocity,
             is_stiff: demand.keeps_to_motion,
             clear_errors: false,
         };
-        let [tracking1, tracking4] = &mut self.tracking;
-        if !demand.keeps_to_motion {
-            tracking1.restart();
-            tracking4.restart();
-            return false;
-        }
-        let ([omega1, omega4], [alpha1, alpha4]) =
-            (demand.motion.velocity, demand.motion.acceleration);
-        let [u1, u4] = Vector2::units(demand.counted);
-        let [d1, d4] = demand.motion.direction.map(Vector2::from);
-        let told1 = tracking1.follow(d1, omega1, alpha1);
-        let told4 = tracking4.follow(d4, omega4, alpha4);
-        self.set_point.ahead = [
-            small_angle(u1.cross_z(d1)) - told1.behind,
-            small_angle(u4.cross_z(d4)) - told4.behind,
-        ];
-        self.set_point.velocity = [told1.velocity, told4.velocity];
         false
+    }
+
+    #[inline(always)]
+    fn sensed_words(&self, sample: &TorqueSample) -> SensedWords {
+        let [age1, age4] = sample.age.map(|age| age.min(255));
+        SensedWords {
+            joints: self.torque_words(sample.torque),
+            both: age1 | age4 << 8,
+        }
+    }
+
+    #[inline(always)]
+    fn told_words(&self, command: &TorqueSetPoint) -> [u16; 2] {
+        self.torque_words(command.torque)
     }
 
     #[inline(always)]

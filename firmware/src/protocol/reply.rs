@@ -6,7 +6,7 @@ use super::identity::Identity;
 use super::section::Section;
 use super::sequence::Sequence;
 use super::step_result::StepResult;
-use crate::SensorSample;
+use crate::ToldSample;
 use crate::controller::{self, ExcitationEnd, Snapshot, Status};
 use crate::drives::BrushedCommand;
 use crate::planner::MoveError;
@@ -63,7 +63,7 @@ pub enum Reply<C = BrushedCommand> {
     /// To [`HostCommand::Stack`](super::HostCommand::Stack).
     Stack(StackUse),
     /// To [`HostCommand::Sample`](super::HostCommand::Sample).
-    Sample(SensorSample),
+    Sample(ToldSample),
     /// To [`HostCommand::ReadLog`](super::HostCommand::ReadLog).
     Log(LogPage),
     /// To [`HostCommand::ExcitationEnd`](super::HostCommand::ExcitationEnd): none while it lasts,

@@ -3,8 +3,9 @@
 use fivebar_firmware::controller::{
     ArmController, Excitation, Excited, Request, RequestError, Status,
 };
+use fivebar_firmware::drives::words::torque_of;
 use fivebar_firmware::drives::{
-    DriveHealth, OLDEST_ANSWER, TorqueDrives, TorqueSample, TorqueSetPoint,
+    DriveHealth, Drives, OLDEST_ANSWER, TorqueDrives, TorqueSample, TorqueSetPoint,
 };
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{ArmCommand, ArmSample, Settings};
@@ -184,4 +185,25 @@ fn no_voltage_or_current_is_set_through_a_torque_drive() {
     let refused = controller.request(Request::Excite(excitation));
     assert_eq!(refused, Err(RequestError::Excitation));
     assert_eq!(controller.state(), State::Stopped);
+}
+
+#[test]
+fn the_log_tells_both_torques_and_the_ages_and_what_is_too_great_as_the_greatest() {
+    let settings = Settings::BENCHTOP.check().expect("valid settings");
+    let drives = TorqueDrives::new(&settings);
+    let [peak1, peak4] = settings.peak_torque();
+    let sample = TorqueSample {
+        torque: [0.5 * peak1, -3.0 * peak4],
+        age: [1, u16::MAX],
+        ..TorqueSample::default()
+    };
+    let words = drives.sensed_words(&sample);
+    assert_eq!((words.joints, words.both), ([8192, 0x8000], 0xFF01));
+    let told = drives.told_words(&TorqueSetPoint {
+        torque: [-0.25 * peak1, peak4],
+        ..TorqueSetPoint::default()
+    });
+    assert_eq!(told, [-4096_i16 as u16, 16384]);
+    let torque = torque_of(told[0], peak1);
+    assert!((torque + 0.25 * peak1).abs() < 1e-6, "{torque} N·m");
 }

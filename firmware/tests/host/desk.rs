@@ -11,7 +11,7 @@ use fivebar_firmware::recorder::{Log, Recorder};
 use fivebar_firmware::session::Session;
 use fivebar_firmware::settings::{BoardLimits, CheckedSettings};
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{ActuatorCommand, Planner, Request, SensorSample, Settings};
+use fivebar_firmware::{ActuatorCommand, Planner, Request, SensorSample, Settings, ToldSample};
 
 /// A board in memory, whose plant is frames.
 pub(crate) struct Memory {
@@ -22,7 +22,7 @@ pub(crate) struct Memory {
     /// How often it was given settings.
     pub(crate) used: u32,
     /// What its own sensors show, if it has some.
-    pub(crate) sample: Option<SensorSample>,
+    pub(crate) sample: Option<ToldSample>,
 }
 
 impl Board for Memory {
@@ -47,7 +47,7 @@ impl Board for Memory {
     ) -> Option<(ActuatorCommand, u32)> {
         let command = controller.tick(sample);
         let log = self.log.recorder();
-        log.record(sample, &command, controller.ticks());
+        log.record(controller.drives(), sample, &command, controller.ticks());
         Some((command, 0))
     }
 
@@ -55,7 +55,7 @@ impl Board for Memory {
         Some(self.log.recorder())
     }
 
-    fn sample(&self) -> Option<SensorSample> {
+    fn sample(&self) -> Option<ToldSample> {
         self.sample
     }
 }

@@ -68,7 +68,7 @@ fn a_row_holds_the_chosen_signals_of_its_tick() {
 fn a_log_that_waits_begins_with_the_power_and_shows_the_duty() {
     let mut desk = Desk::greeted();
     desk.tick();
-    begin(&mut desk, Signals::DUTY_4 | Signals::COUNTS_4, 3, true);
+    begin(&mut desk, Signals::TOLD_4 | Signals::COUNTS_4, 3, true);
     for _ in 0..20 {
         desk.tick();
     }
@@ -109,7 +109,7 @@ fn a_log_that_waits_begins_with_the_power_and_shows_the_duty() {
 fn a_log_ends_with_its_last_whole_row_and_a_new_one_replaces_it() {
     let mut desk = Desk::greeted();
     desk.tick();
-    let five = Signals::all() - (Signals::DUTY_1 | Signals::DUTY_4 | Signals::INPUTS);
+    let five = Signals::all() - (Signals::TOLD_1 | Signals::TOLD_4 | Signals::INPUTS);
     begin(&mut desk, five, 1, false);
     for _ in 0..LOG_WORDS / 5 + 2 {
         desk.tick();
@@ -121,14 +121,14 @@ fn a_log_ends_with_its_last_whole_row_and_a_new_one_replaces_it() {
     let last = page(&mut desk, full.words - 3);
     assert_eq!(last.page[0][3..], [0; 29]);
     assert_eq!(page(&mut desk, u16::MAX).page, [[0; PAGE_WORDS / 2]; 2]);
-    begin(&mut desk, Signals::BUS_VOLTAGE, 1, false);
+    begin(&mut desk, Signals::SENSED_OF_BOTH, 1, false);
     assert_eq!(page(&mut desk, 0).words, 0);
 }
 
 #[test]
 fn a_log_of_nothing_is_refused_and_the_old_one_stays() {
     let mut desk = Desk::greeted();
-    begin(&mut desk, Signals::BUS_VOLTAGE, 1, false);
+    begin(&mut desk, Signals::SENSED_OF_BOTH, 1, false);
     desk.tick();
     let before = page(&mut desk, 0);
     for (signals, every) in [(Signals::empty(), 1), (Signals::all(), 0)] {

@@ -378,7 +378,7 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
         section().prop_map(Reply::Section),
         step_result().prop_map(Reply::StepResult),
         any::<[u32; 2]>().prop_map(|[most, size]| Reply::Stack(StackUse { most, size })),
-        sensor_sample().prop_map(Reply::Sample),
+        sensor_sample().prop_map(|sample| Reply::Sample(sample.with_drives(sample.drives.into()))),
         log_page().prop_map(Reply::Log),
         prop::option::of(excitation_end()).prop_map(Reply::ExcitationEnd),
         board_report().prop_map(Reply::Board),

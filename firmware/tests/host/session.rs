@@ -12,7 +12,7 @@ use fivebar_firmware::protocol::{
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::{BoardLimits, SettingsError};
 use fivebar_firmware::storage::{SettingsStorage, StorageError};
-use fivebar_firmware::{Move, MoveKind, Request, SensorSample};
+use fivebar_firmware::{Move, MoveKind, Request, ToldSample};
 
 fn dwell(tag: u32) -> HostCommand {
     HostCommand::Move(Move {
@@ -82,7 +82,7 @@ fn a_repeated_command_gets_the_same_reply_and_is_executed_once() {
 #[test]
 fn a_board_with_sensors_of_its_own_takes_no_tick_from_a_host() {
     let mut desk = Desk::armed();
-    desk.board.sample = Some(SensorSample::default());
+    desk.board.sample = Some(ToldSample::default());
     let before = desk.controller.ticks();
     let tick = HostCommand::Tick(desk.bench.sense());
     assert_eq!(desk.ask(tick), Reply::Refused(CommandError::Unsupported));

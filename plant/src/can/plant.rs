@@ -44,8 +44,9 @@ pub struct CanPlant {
     pub(super) torque_factor: [f64; 2],
     /// Time until each drive sends its next frame by itself [s].
     pub(super) until_told: [f64; 2],
-    /// Time until the drives' loops have their next turn [s].
+    /// Time until the drives' loops have their next turn, and from one to the next, by the controller's clock [s].
     until_turn: f64,
+    turn: f64,
     /// What is wrong with the wires, and whether it spoils the frame that is on its way.
     pub(super) wires: Wires,
     pub(super) is_spoilt: bool,
@@ -96,6 +97,7 @@ impl CanPlant {
             torque_factor: mismatch.torque_constant.map(|excess| 1.0 + excess),
             until_told: [0.0; 2],
             until_turn: 0.0,
+            turn: PERIOD,
             wires: Wires::Whole,
             is_spoilt: false,
             error_share: 0.0,
@@ -106,6 +108,12 @@ impl CanPlant {
             repeated: [Vec::new(), Vec::new()],
             wiring: Wiring::default(),
         }
+    }
+
+    /// Lets the drives' clocks be slower than the controller's by this share, so that their loops turn at other times of each
+    /// tick.
+    pub fn slow_down(&mut self, share: f64) {
+        self.turn = PERIOD * (1.0 + share);
     }
 
     /// Lets errors hit this share of the frames, which are then sent again.
@@ -184,7 +192,7 @@ impl CanPlant {
         most: f64,
     ) -> (f64, Option<(usize, Frame)>) {
         if self.until_turn < SHORTEST_STEP {
-            self.until_turn += PERIOD;
+            self.until_turn += self.turn;
             for j in Joint::ALL {
                 let turns = self.turns(j);
                 self.drives[j].turn(turns);

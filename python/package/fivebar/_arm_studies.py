@@ -25,7 +25,7 @@ BARS = ("from1", "from4", "to1", "to4", "length")
 HOLES = ("hole", "counts1", "counts4")
 PHOTO = ("counts1", "counts4", "u", "v")
 DISTANCES = ("from", "to", "length")
-LOG = ("time_s", "theta1_rad", "theta4_rad", "current1_a", "current4_a")
+LOG = ("time_s", "theta1_rad", "theta4_rad", "current1_a or torque1_nm", "current4_a or torque4_nm")
 
 
 class ArmStudies:
@@ -47,7 +47,7 @@ class ArmStudies:
     def margins(self) -> Dict[str, Any]:
         """The margins of the position loop over the workspace: ``fivebar margins --json``.
 
-        Raises :class:`fivebar.RobotError` if the robot has no masses, no motors with currents or
+        Raises :class:`fivebar.RobotError` if the robot has no masses, no loop of the controller or
         no pose. Where the loop is unstable the margins are None.
 
         >>> Arm.load("benchtop").margins()["modulus_margin"] > 0.5
@@ -288,7 +288,8 @@ class ArmStudies:
     def identify(self, log: ArrayLike, *, validate: Optional[ArrayLike] = None) -> Found:
         """Base parameters and friction from a log of motion: ``fivebar identify --log --json``.
 
-        log: a row for every tick with time [s], θ1, θ4 [rad], current 1 and 4 [A]. validate: a
+        log: a row for every tick with time [s], θ1, θ4 [rad], current 1 and 4 [A]; of drives on a
+        CAN bus the torques that they are told in the place of the currents [N·m]. validate: a
         second log, of another trajectory, whose torques are predicted. Raises
         :class:`fivebar.StudyError`, or :class:`fivebar.RobotError` for an arm without motors.
         """

@@ -66,7 +66,7 @@ const CHANNELS: [Channel; 3] = [
 
 /// Mean and standard deviation of each channel [codes]; none if nothing was recorded.
 fn measure<L: Read + Write>(bench: &mut Bench<'_, L>) -> Result<Option<[[f64; 2]; 3]>, LinkError> {
-    let signals = Signals::CURRENT_1 | Signals::CURRENT_4 | Signals::BUS_VOLTAGE;
+    let signals = Signals::SENSED_1 | Signals::SENSED_4 | Signals::SENSED_OF_BOTH;
     let rows = bench.record(signals, 1, SAMPLES)?;
     if rows.is_empty() {
         return Ok(None);

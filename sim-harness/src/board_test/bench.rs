@@ -7,7 +7,7 @@ use fivebar_firmware::protocol::{
     TimedSpan, Timing, VERSION,
 };
 use fivebar_firmware::recorder::{LogConfig, LogPage, Signals};
-use fivebar_firmware::{Request, SensorSample, Status};
+use fivebar_firmware::{Request, Status, ToldSample};
 use std::io::{Read, Write};
 
 /// Who connects wires, and reads what happens.
@@ -75,7 +75,7 @@ impl<L: Read + Write> Bench<'_, L> {
         Ok(self.client.status()?.0)
     }
 
-    pub(super) fn sample(&mut self) -> Result<SensorSample, LinkError> {
+    pub(super) fn sample(&mut self) -> Result<ToldSample, LinkError> {
         Ok(self.client.sample()?.unwrap_or_default())
     }
 

@@ -14,8 +14,8 @@
 //! both loci λ.
 
 use super::LearningError;
-use fivebar_design::servo::{Gains, Servo};
-use fivebar_files::robot::Robot;
+use fivebar_design::servo::{BusServo, Gains, LoopPoint, Servo};
+use fivebar_files::robot::{BusServos, Robot};
 use fivebar_files::scenario::ControlLaw;
 use nalgebra::Matrix2;
 use rayon::prelude::*;
@@ -62,12 +62,15 @@ impl Response {
     /// # Errors
     /// The robot has no masses, or its settings are refused.
     pub fn new(robot: &Robot, law: ControlLaw) -> Result<Self, LearningError> {
-        let arms = robot.unlike_servos()?;
-        let models = robot.servos()?;
         let pid = match law.is_computed_torque() {
             true => None,
             false => Some(pid(robot)?),
         };
+        if let Some(servos) = robot.bus_servos()? {
+            return Self::through_bus(robot, &servos, pid.as_ref());
+        }
+        let arms = robot.unlike_servos()?;
+        let models = robot.servos()?;
         let points: Option<Vec<Vec<(f64, f64)>>> = models
             .par_iter()
             .zip(&arms)
@@ -83,13 +86,45 @@ impl Response {
                     if arm.spectral_radius(&law, 1.0) >= 1.0 {
                         return None;
                     }
-                    let unlike = Matrix2::identity() - arm.mass_matrix.try_inverse()? * model;
-                    let unlike = unlike.singular_values().max();
-                    let points = arm.loci(&law).into_iter().map(|point| {
-                        let [one, other] = point.loci.map(|locus| (locus + 1.0).norm());
-                        (point.omega, unlike / one.min(other))
-                    });
-                    Some(points.collect::<Vec<_>>())
+                    missed(&arm.loci(&law), &arm.mass_matrix, &model)
+                };
+                let arms: Option<Vec<_>> = arms.iter().map(of).collect();
+                Some(arms?.concat())
+            })
+            .collect();
+        points
+            .map(|points| Self(points.concat()))
+            .ok_or(LearningError::Unstable)
+    }
+
+    /// The same through a bus. The springs and dampers of the drives follow the shifted motion, too: S is the sensitivity of the
+    /// controller's loop times what they leave.
+    fn through_bus(
+        robot: &Robot,
+        servos: &BusServos,
+        pid: Option<&(Gains, Matrix2<f64>)>,
+    ) -> Result<Self, LearningError> {
+        let points: Option<Vec<Vec<(f64, f64)>>> = servos
+            .servos
+            .par_iter()
+            .zip(&servos.unlike)
+            .map(|((_, servo), arms)| {
+                let gains = robot.gains();
+                let (gains, mass_matrix) =
+                    pid.map_or((&gains, servo.mass_matrix), |(gains, of)| (gains, *of));
+                let model = BusServo {
+                    mass_matrix,
+                    ..*servo
+                };
+                let law = model.law(gains);
+                let of = |arm: &BusServo| {
+                    let loci = arm.loci(&law);
+                    BusServo::margins(&loci)?;
+                    let mut points = missed(&loci, &arm.mass_matrix, &mass_matrix)?;
+                    for (omega, missed) in &mut points {
+                        *missed *= arm.left_by_springs(*omega);
+                    }
+                    Some(points)
                 };
                 let arms: Option<Vec<_>> = arms.iter().map(of).collect();
                 Some(arms?.concat())
@@ -123,6 +158,17 @@ impl Response {
         }
         Err(LearningError::Diverges(self.contraction(NARROWEST)))
     }
+}
+
+/// |1 − T| along these loci, of an arm whose controller has another model [kg·m²].
+fn missed(loci: &[LoopPoint], arm: &Matrix2<f64>, model: &Matrix2<f64>) -> Option<Vec<(f64, f64)>> {
+    let unlike = Matrix2::identity() - arm.try_inverse()? * model;
+    let unlike = unlike.singular_values().max();
+    let points = loci.iter().map(|point| {
+        let [one, other] = point.loci.map(|locus| (locus + 1.0).norm());
+        (point.omega, unlike / one.min(other))
+    });
+    Some(points.collect())
 }
 
 /// Gains and inertia of independent joints [kg·m²].

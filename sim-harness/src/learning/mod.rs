@@ -61,12 +61,6 @@ pub enum LearningError {
          brushed motors"
     )]
     NoEncoders(&'static str),
-    /// Drives on a CAN bus close a part of the loop.
-    #[error(
-        "learning needs the response of the position loop, and drives on a CAN bus close a part of it: leave out --learn; \
-         --repeat alone shows which part of the error repeats"
-    )]
-    LoopOfDrives,
     /// The tool's power follows its speed.
     #[error(
         "the tool's power follows its speed (`scale_with_speed`), so it needs the job's feed rates, and a job that is \

@@ -95,9 +95,6 @@ pub fn repeat(
     if robot.hobby_servos().is_some() {
         return Err(LearningError::NoEncoders("a hobby servo"));
     }
-    if learn && robot.can_drives().is_some() {
-        return Err(LearningError::LoopOfDrives);
-    }
     let plain = scenario.run_moves(job)?;
     let digest = Digest::new(scenario, &plain)?;
     let filter = match learn {

@@ -7,7 +7,7 @@ use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, LinkCounts,
     Reply, SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION, encode,
 };
-use fivebar_firmware::{ArmSample, SensorSample, Settings, Status};
+use fivebar_firmware::{ArmSample, Settings, Status, ToldSample};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
@@ -207,7 +207,7 @@ impl<L: Read + Write> Client<L> {
     ///
     /// # Errors
     /// A silent controller or a failed connection.
-    pub fn sample(&mut self) -> Result<Option<SensorSample>, LinkError> {
+    pub fn sample(&mut self) -> Result<Option<ToldSample>, LinkError> {
         match self.call(HostCommand::Sample)? {
             Reply::Sample(sample) => Ok(Some(sample)),
             Reply::Refused(CommandError::Unsupported) => Ok(None),

@@ -10,7 +10,7 @@ use fivebar_firmware::session::{Session, fault_at_start};
 use fivebar_firmware::settings::{CheckedSettings, SettingsError};
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{
-    ArmCommand, ArmController, ArmSample, Planner, SensorSample, Settings, Status,
+    ArmCommand, ArmController, ArmSample, Planner, Settings, Status, ToldSample,
 };
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -82,7 +82,7 @@ struct Desktop<I: DriveInterface> {
     /// The board's plant and the last outputs; none in lockstep with the host.
     plant: Option<(Plant<I>, ArmCommand<I::Command>)>,
     /// The sample of the last tick, as the host may ask for it.
-    sample: SensorSample,
+    sample: ToldSample,
     /// The log at the tick rate.
     log: Box<Log>,
 }
@@ -96,14 +96,10 @@ impl<I: DriveInterface> Desktop<I> {
     ) -> ArmCommand<I::Command> {
         let sensed = I::sense(&mut self.link, sample);
         let told = controller.tick(&sensed);
-        let (of_sample, of_command) = I::Drives::logged(&sensed.drives, &told.drives);
-        self.sample = sensed.with_drives(of_sample);
+        let drives = controller.drives();
+        self.sample = sensed.with_drives(drives.sensed_words(&sensed.drives));
         let log = self.log.recorder();
-        log.record(
-            &self.sample,
-            &told.with_drives(of_command),
-            controller.ticks(),
-        );
+        log.record(drives, &sensed, &told, controller.ticks());
         I::command(&mut self.link, &told)
     }
 }
@@ -133,7 +129,7 @@ impl<I: DriveInterface> Board<I::Drives, I::Sample, I::Command> for Desktop<I> {
         Some(self.log.recorder())
     }
 
-    fn sample(&self) -> Option<SensorSample> {
+    fn sample(&self) -> Option<ToldSample> {
         self.plant.is_some().then_some(self.sample)
     }
 }
@@ -214,7 +210,7 @@ impl<I: DriveInterface> Firmware<I> {
                 saved: None,
                 link: I::link(&settings),
                 plant: plant.map(|plant| (plant, ArmCommand::default())),
-                sample: SensorSample::default(),
+                sample: ToldSample::default(),
                 log: Box::default(),
             },
             decoder: Decoder::new(),

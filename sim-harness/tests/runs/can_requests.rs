@@ -1,15 +1,17 @@
 //! Requests to an arm whose drives are on a CAN bus, tick by tick.
 
+use fivebar_design::servo::BusServo;
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::Status;
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::drives::can::BusDrives;
+use fivebar_firmware::drives::can::{BusCommand, BusDrives};
 use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::{ArmCommand, Status};
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{CanPlant, FaultKind};
+use fivebar_plant::{CanPlant, FaultKind, Mismatch};
 use fivebar_sim::link::{InProcess, Target};
 use fivebar_sim::simulation::{Simulate, SimulatedArm, SimulatedDrives};
+use nalgebra::Vector2;
 
 const PROTOCOLS: [&str; 2] = [
     "protocol = \"odrive\"",
@@ -211,4 +213,70 @@ fn failed_brakes_of_an_upright_arm_are_found_before_its_drives_lose_their_power(
             }
         }
     }
+}
+
+/// Torques of a command times a factor, in the frames of ODrive.
+fn times(command: &mut ArmCommand<BusCommand>, factor: f64) {
+    for frame in command.drives.frames.iter_mut().flatten() {
+        if let (0x0C, Some([.., low, high])) = (frame.id & 0x1F, &mut frame.data) {
+            let torque = f64::from(i16::from_le_bytes([*low, *high]));
+            [*low, *high] = ((factor * torque) as i16).to_le_bytes();
+        }
+    }
+}
+
+/// How far the joints swing in the end on an arm without gravity and friction, which gets this factor of the told torques at
+/// home [rad].
+fn swing(robot: &Robot, factor: f64) -> f64 {
+    let mut scenario = Scenario::demonstration(robot.clone());
+    scenario.mismatch = Mismatch::NONE;
+    let mut bench = Bench::of(&scenario);
+    bench.run(50);
+    bench.target.request(Request::Home).unwrap();
+    bench.run(200);
+    bench.until(State::Stopped);
+    bench.target.request(Request::Arm).unwrap();
+    bench.until(State::Armed);
+    let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    for tick in 0..3000 {
+        // A push that ends the rest.
+        let force = if (500..530).contains(&tick) { 2.0 } else { 0.0 };
+        bench.arm.arm_mut().set_tool_force(Vector2::new(force, 0.0));
+        let sample = SimulatedArm::sense(&mut bench.arm);
+        let (mut command, status) = bench.target.tick(&sample).unwrap();
+        times(&mut command, factor);
+        SimulatedArm::step(&mut bench.arm, &command, 1e-3);
+        if status.fault.is_some() {
+            return f64::INFINITY;
+        }
+        if tick >= 2500 {
+            for joint in Joint::ALL {
+                let angle = bench.arm.angle(joint);
+                let [least, greatest] = range[joint];
+                range[joint] = [least.min(angle), greatest.max(angle)];
+            }
+        }
+    }
+    range
+        .map(|[least, greatest]| greatest - least)
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn an_arm_oscillates_from_its_gain_margin_on() {
+    let text = BuiltIn::find("leg").expect("built in").text;
+    let text = text
+        .replace("gravity = [0.0, 9.81]", "gravity = [0.0, 0.0]")
+        .replace("coulomb_friction = 2e-2", "coulomb_friction = 0.0")
+        .replace("viscous_friction = 2e-3", "viscous_friction = 0.0");
+    let robot = Robot::parse("leg.toml", &text).unwrap();
+    let (_, servo) = robot.bus_servos().unwrap().unwrap().servos[0];
+    let law = servo.law(&robot.gains());
+    let margin = BusServo::margins(&servo.loci(&law)).unwrap().gain_up;
+    let [below, above] = [0.9, 1.1].map(|share| swing(&robot, share * margin));
+    assert!(
+        below < 2e-4 && above > 5e-3,
+        "{margin}: {below}, {above} rad"
+    );
 }

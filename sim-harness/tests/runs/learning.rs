@@ -209,3 +209,24 @@ fn the_band_of_the_filter_follows_from_the_loop() {
         assert!(matches!(pid, Err(LearningError::Unstable)), "{pid:?}");
     }
 }
+
+/// What is left of the error that the sensors see, and of the true one. Encoders of 14 bits, and angles that MIT-type drives cut
+/// off, are what no learning takes.
+#[test]
+fn what_friction_cogging_and_masses_do_is_learnt_by_drives_on_a_bus() {
+    let leg = BuiltIn::find("leg").unwrap().text;
+    let mit = leg.replace(
+        "protocol = \"odrive\"",
+        "protocol = \"mit\"\nposition_range = 12.5\nvelocity_range = 640.0\ntorque_range = 2.0",
+    );
+    for (name, text, left) in [("leg", leg, [0.55, 0.72]), ("mit", &mit, [0.33, 0.56])] {
+        let robot = Robot::parse(name, text).unwrap();
+        let found = run(&scenario(robot, friction()), 4, true, None);
+        assert_eq!(found.ended, None, "{name}");
+        let runs = errors(&found);
+        for (which, left) in left.into_iter().enumerate() {
+            let share = runs[3][which] / runs[0][which];
+            assert!(share < left, "{name}: {runs:?}");
+        }
+    }
+}

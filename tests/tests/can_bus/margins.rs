@@ -1,13 +1,14 @@
 //! The margin of the position loop through the bus, from the frequency response of the sampled loop: the controller's law
 //! as equations, the drive's loops and delays as transfer functions.
 
+use fivebar_design::servo::BusServo;
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_firmware::drives::can::sensed_after;
 use fivebar_firmware::drives::{DriveStiffness, Drives, Stage, TorqueDrives};
-use nalgebra::Complex;
+use nalgebra::{Complex, Matrix2};
 use std::f64::consts::PI;
 
-/// The least distance of the open loop from −1 with the arm's inertia off by this factor, and with the drives' spring and
+/// By equations of one joint: the least distance of the open loop from −1 with the arm's inertia off by this factor, and with the drives' spring and
 /// damper or without.
 fn modulus(robot: &Robot, inertia: f64, with_spring: bool) -> f64 {
     let settings = robot.settings().unwrap().check().unwrap();
@@ -94,5 +95,40 @@ fn slower_drives_get_softer_springs_and_keep_a_margin() {
         let leg = Robot::parse("leg.toml", &slower).unwrap();
         let margin = modulus(&leg, 0.7, true);
         assert!(margin > least, "{bandwidth} rad/s: {margin}");
+    }
+}
+
+/// The study's loop of two joints, for an arm of which no joint moves the other.
+#[test]
+fn the_study_of_margins_agrees_with_the_equations_of_one_joint() {
+    let leg = BuiltIn::find("leg").unwrap().text;
+    let mit = leg.replace(
+        "protocol = \"odrive\"",
+        "protocol = \"mit\"\nposition_range = 12.5\nvelocity_range = 640.0\ntorque_range = 2.0",
+    );
+    for (name, text) in [("leg", leg), ("mit", mit.as_str())] {
+        let leg = Robot::parse(name, text).unwrap();
+        let gains = leg.gains();
+        let servos = leg.bus_servos().unwrap().unwrap().servos;
+        let (_, mut servo) = servos[0];
+        let [mut first, _] = servo.drives;
+        first.drive.viscous_friction = 0.0;
+        first.arrival = 0.2e-3;
+        servo.drives = [first; 2];
+        let settings = leg.settings().unwrap().check().unwrap();
+        let inertia = f64::from(settings.nominal_inertia()[0]);
+        servo.mass_matrix = Matrix2::from_diagonal_element(inertia);
+        let law = servo.law(&gains);
+        for factor in [0.7, 1.0, 1.5] {
+            let mut arm = servo;
+            arm.mass_matrix *= factor;
+            let margins = BusServo::margins(&arm.loci(&law)).unwrap();
+            let by_one = modulus(&leg, factor, true);
+            assert!(
+                (margins.modulus - by_one).abs() < 3e-3,
+                "{name}, {factor}: {} for {by_one}",
+                margins.modulus
+            );
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 mod arms;
 mod belts;
+mod bus;
 mod calibration;
 mod coaxial;
 mod coverage;

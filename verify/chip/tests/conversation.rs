@@ -58,11 +58,11 @@ fn sequence_and_session_are_checked() {
         panic!("{reply:?}");
     };
     // The arm rests, its bridges asleep, on a bus of 24 V.
-    for code in sample.drives.current {
+    for code in sample.drives.joints {
         assert!(code.abs_diff(2048) < 20, "{sample:?}");
     }
     let bus =
-        f32::from(sample.drives.bus_voltage) * Settings::BENCHTOP.protection.bus_voltage_per_code;
+        f32::from(sample.drives.both) * Settings::BENCHTOP.protection.bus_voltage_per_code;
     assert!((bus - 24.0).abs() < 0.5, "{sample:?}");
     assert_eq!(
         (sample.home, sample.emergency_stop, sample.driver_fault),

@@ -133,7 +133,7 @@ fn a_log_shows_the_duty_and_the_current_of_an_excitation() {
         .expect("an answer");
     assert_eq!(refused, Reply::Refused(CommandError::Log));
     let log = LogConfig {
-        signals: (Signals::CURRENT_1 | Signals::DUTY_1).bits(),
+        signals: (Signals::SENSED_1 | Signals::TOLD_1).bits(),
         every: 2,
         powered: true,
     };

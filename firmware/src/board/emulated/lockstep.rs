@@ -2,7 +2,7 @@
 
 use super::instructions::InstructionCounter;
 use crate::board::{Board, stack};
-use crate::drives::{DriveInterface, Drives};
+use crate::drives::DriveInterface;
 use crate::protocol::StackUse;
 use crate::recorder::{Log, Recorder};
 use crate::settings::CheckedSettings;
@@ -48,12 +48,8 @@ impl<I: DriveInterface> Board<I::Drives, I::Sample, I::Command> for Lockstep<I> 
             let command = I::command(&mut self.link, &told);
             (sensed, told, command, self.counter.since(start))
         });
-        let (of_sample, of_command) = I::Drives::logged(&sensed.drives, &told.drives);
-        LOG.recorder().record(
-            &sensed.with_drives(of_sample),
-            &told.with_drives(of_command),
-            controller.ticks(),
-        );
+        LOG.recorder()
+            .record(controller.drives(), &sensed, &told, controller.ticks());
         Some((command, instructions))
     }
 

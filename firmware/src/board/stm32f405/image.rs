@@ -223,7 +223,8 @@ mod app {
                     controller.tick(&sample)
                 };
                 outputs.apply(&command);
-                services::recorder().record(&sample, &command, controller.ticks());
+                let drives = controller.drives();
+                services::recorder().record(drives, &sample, &command, controller.ticks());
                 outputs.timer.rearm_break();
             });
         });
@@ -265,7 +266,8 @@ mod app {
         loop {
             if let Some(message) = local.commands.dequeue() {
                 let session = &mut *local.session;
-                local.services.sample = sample.lock(|latest| *latest);
+                let latest = sample.lock(|latest| *latest);
+                local.services.sample = latest.with_drives(latest.drives.into());
                 if let Some(frame) =
                     session.answer(&message, controller, local.planner, local.services)
                 {

@@ -14,7 +14,7 @@ use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan}
 use crate::recorder::{LogControl, LogWords, Recorder};
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
-use crate::{ActuatorCommand, ArmController, SensorSample, Settings};
+use crate::{ActuatorCommand, ArmController, SensorSample, Settings, ToldSample};
 use stm32f4xx_hal::pac::{FLASH, IWDG};
 
 static LOG: LogControl = LogControl::new();
@@ -55,7 +55,7 @@ pub struct BoardServices {
     /// Refreshed when all tasks have advanced.
     pub watchdog: Watchdog,
     /// The sample of the last tick.
-    pub sample: SensorSample,
+    pub sample: ToldSample,
     /// How long the ticks take.
     pub times: TickTimes,
     started: Started,
@@ -73,7 +73,7 @@ impl BoardServices {
             storage,
             tool,
             watchdog: Watchdog::start(watchdog),
-            sample: SensorSample::default(),
+            sample: ToldSample::default(),
             times: TickTimes::new(),
             started,
         }
@@ -155,7 +155,7 @@ impl<D: OnBoard> Board<D> for BoardServices {
         Some(recorder())
     }
 
-    fn sample(&self) -> Option<SensorSample> {
+    fn sample(&self) -> Option<ToldSample> {
         Some(self.sample)
     }
 

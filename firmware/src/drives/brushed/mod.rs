@@ -5,6 +5,7 @@ mod motor;
 mod motor_check;
 mod oscillation;
 
+use super::words::SensedWords;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::Demand;
 use crate::safety::Fault;
@@ -39,6 +40,16 @@ pub struct BrushedSample {
     pub bus_voltage: u16,
 }
 
+impl From<BrushedSample> for SensedWords {
+    #[inline(always)]
+    fn from(sample: BrushedSample) -> Self {
+        Self {
+            joints: sample.current,
+            both: sample.bus_voltage,
+        }
+    }
+}
+
 /// What the bridges do until the next tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BrushedCommand {
@@ -71,9 +82,15 @@ impl Drives for BrushedDrives {
     const NEEDS: Needs = Needs::Torque;
 
     #[inline(always)]
-    fn logged(sample: &BrushedSample, command: &BrushedCommand) -> (BrushedSample, BrushedCommand) {
-        (*sample, *command)
+    fn sensed_words(&self, sample: &BrushedSample) -> SensedWords {
+        (*sample).into()
     }
+
+    #[inline(always)]
+    fn told_words(&self, command: &BrushedCommand) -> [u16; 2] {
+        command.duty.map(|duty| (duty * 32_767.0) as i16 as u16)
+    }
+
     const WAKE_UP_TIME: f32 = crate::drivers::WAKE_UP_TIME;
 
     fn new(settings: &CheckedSettings) -> Self {

@@ -24,6 +24,16 @@ pub enum Protocol {
     Mit(mit::Ranges),
 }
 
+impl Protocol {
+    /// The torque at a drive's shaft that a frame holds of this one [N·m].
+    pub fn torque_in_frame(&self, torque: f32) -> f32 {
+        match self {
+            Self::Odrive => odrive::torque_in_frame(torque),
+            Self::Mit(ranges) => mit::torque_in_frame(torque, ranges),
+        }
+    }
+}
+
 /// The link to the drives of joint 1 and joint 4.
 #[derive(Clone, Debug)]
 pub struct Link {

@@ -73,6 +73,15 @@ impl Command {
     }
 }
 
+/// The torque that a frame holds of this one [N·m].
+pub fn torque_in_frame(torque: f32, ranges: &Ranges) -> f32 {
+    value(
+        share(torque, -ranges.torque, ranges.torque, 12),
+        ranges.torque,
+        12,
+    )
+}
+
 /// A drive's answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reply {

@@ -110,3 +110,15 @@ pub fn sensed_after(protocol: &Protocol, [node1, node4]: [u8; 2]) -> [f32; 2] {
     };
     bits.map(|bits| bits / BIT_RATE)
 }
+
+/// Time from the end of a tick until that tick's commands are at the drives of joint 1 and joint 4 [s], with frames of usual
+/// length.
+pub fn told_after(protocol: &Protocol) -> [f32; 2] {
+    let data = usual_bits(8);
+    let bits = match protocol {
+        Protocol::Odrive => [data, 2.0 * data],
+        // The first drive's answer goes before the second command.
+        Protocol::Mit(_) => [data, 3.0 * data],
+    };
+    bits.map(|bits| bits / BIT_RATE)
+}

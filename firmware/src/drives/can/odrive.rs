@@ -68,6 +68,11 @@ fn scaled(value: f32) -> i16 {
     (units + if units < 0.0 { -0.5 } else { 0.5 }) as i16
 }
 
+/// The torque that a frame holds of this one [N·m].
+pub fn torque_in_frame(torque: f32) -> f32 {
+    f32::from(scaled(torque)) * SCALE
+}
+
 /// Sets the velocity per position error [1/s].
 pub const fn set_position_gain(node: u8, gain: f32) -> Frame {
     let data = pair(gain.to_le_bytes(), [0; 4]);

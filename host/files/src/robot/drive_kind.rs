@@ -34,12 +34,14 @@ impl fmt::Display for DriveKind {
 
 /// The robot has other drives, where brushed motors are needed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("robot `{robot}` has {drives}, but loops and logs are of brushed motors. {instead}")]
+#[error("robot `{robot}` has {drives}, but {needs}. {instead}")]
 pub struct NotBrushed {
     /// The robot's name.
     pub robot: String,
     /// Its drives.
     drives: &'static str,
+    /// What needs others.
+    needs: &'static str,
     /// What applies to them in place of what was asked for.
     instead: &'static str,
 }
@@ -108,6 +110,23 @@ impl Robot {
     /// # Errors
     /// Other drives turn its joints.
     pub fn brushed(&self) -> Result<&Self, NotBrushed> {
+        self.other_drives("loops and logs are of brushed motors")
+    }
+
+    /// The robot, for what needs drives whose torques are known.
+    ///
+    /// # Errors
+    /// Steppers or hobby servos turn its joints.
+    pub fn with_known_torque(&self) -> Result<&Self, NotBrushed> {
+        match self.drive_kind() {
+            DriveKind::CanTorque => Ok(self),
+            _ => self.other_drives(
+                "only loops over brushed motors and drives on a CAN bus are the controller's, and only their torques are known",
+            ),
+        }
+    }
+
+    fn other_drives(&self, needs: &'static str) -> Result<&Self, NotBrushed> {
         let kind = self.drive_kind();
         kind.instead().map_or(Ok(self), |instead| {
             let drives = match self.monitored_kind() {
@@ -117,6 +136,7 @@ impl Robot {
             Err(NotBrushed {
                 robot: self.name.clone(),
                 drives,
+                needs,
                 instead,
             })
         })

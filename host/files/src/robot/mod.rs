@@ -6,6 +6,7 @@ mod actuator_file;
 mod actuators;
 mod belts;
 mod builtin;
+mod bus_servo;
 mod can_torque;
 mod check;
 mod consistency;
@@ -39,6 +40,7 @@ mod workspace;
 
 pub use actuator::{Actuator, CanTorque, Drive, HobbyServo, Stepper};
 pub use builtin::{BUILT_IN, BuiltIn};
+pub use bus_servo::BusServos;
 pub use consistency::robot_file_message;
 pub use crossing::CrossingRefusal;
 pub use draft::{Draft, DraftError};

@@ -18,7 +18,7 @@ const PER_LAG: f64 = 0.18;
 const GRID: u32 = 9;
 
 /// A pose and the mass matrix there [kg·m²].
-type PoseMass = (Pose<f64>, Matrix2<f64>);
+pub(super) type PoseMass = (Pose<f64>, Matrix2<f64>);
 
 impl ControlFile {
     /// What the file gives, and the defaults of the rest.
@@ -192,10 +192,17 @@ impl Robot {
     /// # Errors
     /// The robot has lengths only, no masses.
     pub fn unlike_servos(&self) -> Result<Vec<[Servo; 4]>, MissingMasses> {
-        let arm = self.arm()?;
         let drives = self.servo_drives()?;
-        let rotors = Matrix2::from_diagonal(&arm.rotor_inertia().into());
         let period = 1.0 / self.control.tick_rate;
+        let servos =
+            |masses: [Matrix2<f64>; 4]| masses.map(|mass| Servo::new(mass, drives, period));
+        Ok(self.unlike_masses()?.into_iter().map(servos).collect())
+    }
+
+    /// The mass matrices of the arms that may be meant [kg·m²], as of [`Robot::unlike_servos`].
+    pub(super) fn unlike_masses(&self) -> Result<Vec<[Matrix2<f64>; 4]>, MissingMasses> {
+        let arm = self.arm()?;
+        let rotors = Matrix2::from_diagonal(&arm.rotor_inertia().into());
         let arms = PAYLOAD_RANGE.map(|factor| links_only(arm, factor * arm.payload()));
         let [Some(light), Some(heavy)] = arms else {
             return Ok(Vec::new());
@@ -207,10 +214,7 @@ impl Robot {
             ];
             let [low, high] = INERTIA_RANGE;
             let corners = [(low, 0), (low, 1), (high, 0), (high, 1)];
-            Some(
-                corners
-                    .map(|(factor, of)| Servo::new(masses[of] * factor + rotors, drives, period)),
-            )
+            Some(corners.map(|(factor, of)| masses[of] * factor + rotors))
         };
         Ok(self.masses()?.into_iter().filter_map(at).collect())
     }
@@ -228,7 +232,7 @@ impl Robot {
     }
 
     /// The mass matrices at these poses [kg·m²].
-    fn masses(&self) -> Result<Vec<PoseMass>, MissingMasses> {
+    pub(super) fn masses(&self) -> Result<Vec<PoseMass>, MissingMasses> {
         let arm = self.arm()?;
         let poses = self.poses().into_iter();
         Ok(poses
@@ -258,7 +262,7 @@ impl Robot {
     ///
     /// # Errors
     /// The robot has lengths only, no masses.
-    fn servo_drives(&self) -> Result<[ServoDrive; 2], MissingMasses> {
+    pub(super) fn servo_drives(&self) -> Result<[ServoDrive; 2], MissingMasses> {
         Ok(self.drives()?.map(|drive| ServoDrive {
             torque_per_current: drive.torque_per_ampere(),
             resistance: drive.resistance,

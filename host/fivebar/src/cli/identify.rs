@@ -8,7 +8,7 @@ use clap::ArgGroup;
 use fivebar_files::measurements::read_columns;
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_plant::Mismatch;
-use fivebar_report::export::motion_csv;
+use fivebar_report::export::{motion_columns, motion_csv};
 use fivebar_report::output::write_whole;
 use fivebar_report::study::identification::{
     PERIODS, StudyError, answer, identify_robot, measured, measured_payload, payload_answer,
@@ -29,7 +29,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE", default_value = BuiltIn::DEFAULT)]
     robot: String,
     /// The log: a table with the columns time_s, theta1_rad, theta4_rad, current1_a and
-    /// current4_a and a row for every tick.
+    /// current4_a and a row for every tick; of drives on a CAN bus torque1_nm and torque4_nm in the place of the currents.
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
     /// Propose excitations: one to identify, one to validate.
@@ -58,17 +58,9 @@ pub(super) struct Args {
     json: bool,
 }
 
-const COLUMNS: [&str; 5] = [
-    "time_s",
-    "theta1_rad",
-    "theta4_rad",
-    "current1_a",
-    "current4_a",
-];
-
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
-    robot.brushed().map_err(refused)?;
+    robot.with_known_torque().map_err(refused)?;
     match &args.log {
         Some(log) if args.payload => payload_found(args, &robot, log),
         Some(log) => identified(args, &robot, log),
@@ -81,8 +73,9 @@ fn proposed(args: &Args, robot: &Robot) -> Result<(), Failure> {
     if let Some(log) = &args.simulate {
         leave_output_to(log);
         let excitation = &proposed[usize::from(args.second)].excitation;
+        let columns = motion_columns(robot.drive_kind());
         let rows = excite(robot, excitation, PERIODS, &Mismatch::default(), 1);
-        write_whole(log, motion_csv(&rows.map_err(refused)?)).map_err(refused)?;
+        write_whole(log, motion_csv(columns, &rows.map_err(refused)?)).map_err(refused)?;
     }
     let answer = proposal_answer(robot, &proposed);
     if args.json {
@@ -93,7 +86,7 @@ fn proposed(args: &Args, robot: &Robot) -> Result<(), Failure> {
 }
 
 fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<(), Failure> {
-    let rows = read_columns(log, COLUMNS).map_err(refused)?;
+    let rows = read_columns(log, motion_columns(robot.drive_kind())).map_err(refused)?;
     let found = identify_robot(robot, &rows).map_err(|error| in_file(log, &error))?;
     if let Some(warning) = warning(robot, &found) {
         warn(format_args!("{}: {warning}", log.display()));
@@ -103,7 +96,7 @@ fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<(), Failure> {
             if second == log {
                 warn("--validate: the same log predicts itself; give one of another trajectory");
             }
-            let rows = read_columns(second, COLUMNS).map_err(refused)?;
+            let rows = read_columns(second, motion_columns(robot.drive_kind())).map_err(refused)?;
             let predicted = validations(robot, &found, &rows);
             Some(predicted.map_err(|error| in_file(second, &error))?)
         }
@@ -124,7 +117,7 @@ fn identified(args: &Args, robot: &Robot, log: &Path) -> Result<(), Failure> {
 }
 
 fn payload_found(args: &Args, robot: &Robot, log: &Path) -> Result<(), Failure> {
-    let rows = read_columns(log, COLUMNS).map_err(refused)?;
+    let rows = read_columns(log, motion_columns(robot.drive_kind())).map_err(refused)?;
     let found = payload_of(robot, &rows).map_err(|error| in_file(log, &error))?;
     if let Some(out) = &args.out {
         rewrite(&args.robot, out, &[measured_payload(&found)])?;

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 
 /// Computes how far the position loop is from instability, over the workspace.
 ///
-/// The loop is the complete sampled one: observer, delays, current loop, springs of the drives.
+/// The loop is the complete sampled one: observer, delays, current loop, springs of the drives; with drives on a CAN bus, the
+/// bus and the drives' own loops.
 /// The margins printed are those of the worst pose. The status is 1 if the loop is unstable there.
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -27,7 +28,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let robot = Robot::load(&args.robot).map_err(refused)?;
-    robot.brushed().map_err(refused)?;
+    robot.with_known_torque().map_err(refused)?;
     let study = MarginsStudy::new(&robot).map_err(refused)?;
     if let Some(folder) = &args.out {
         write_in(folder, "report.html", pages::margins(&study).render()).map_err(refused)?;

@@ -38,6 +38,7 @@ mod plan;
 mod port;
 mod query;
 mod questions;
+mod raw_inputs;
 mod repeat;
 mod rewrite;
 mod robots;

@@ -1,16 +1,15 @@
 //! `fivebar monitor`: the state of a controller, live on the terminal.
 
 use super::failure::{Failure, refused};
-use super::port::{PortArgs, PortClient, interrupted};
+use super::port::{PortArgs, interrupted};
+use super::raw_inputs::show_inputs;
 use super::say::say;
 use super::value_error::ValueError;
-use fivebar_firmware::drives::BrushedSample;
 use fivebar_firmware::protocol::{HostCommand, Reply, Section, SectionKey, StackUse, Telemetry};
-use fivebar_firmware::{SensorSample, Status, safety::Limits};
+use fivebar_firmware::{Status, safety::Limits};
 use fivebar_sim::simulation::fault_name;
 use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::atomic::Ordering;
 
 /// Number of reads without a sample, 0.5 s, after which the status is requested to detect a lost
 /// controller.
@@ -23,11 +22,11 @@ pub(super) struct Args {
     port: PortArgs,
     /// Samples per second [Hz].
     #[arg(long, default_value_t = 20.0, value_parser = rate)]
-    rate: f32,
+    pub(super) rate: f32,
     /// End after this number of samples.
     #[arg(long, value_name = "N")]
-    samples: Option<u64>,
-    /// Show what the inputs read, before settings and homing: encoder counts, ADC codes, switches.
+    pub(super) samples: Option<u64>,
+    /// Show what the inputs read, before settings and homing: encoder counts, what the drives sense, switches.
     #[arg(long)]
     raw: bool,
 }
@@ -42,9 +41,9 @@ fn rate(text: &str) -> Result<f32, ValueError> {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let interrupted = interrupted()?;
-    let (mut client, _) = args.port.open()?;
+    let (mut client, identity) = args.port.open()?;
     if args.raw {
-        return show_inputs(args, &mut client, &interrupted);
+        return show_inputs(args, &mut client, identity.board, &interrupted);
     }
 
     let tick_rate = match client
@@ -106,65 +105,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Shows raw samples, one request for each.
-fn show_inputs(
-    args: &Args,
-    client: &mut PortClient,
-    interrupted: &AtomicBool,
-) -> Result<(), Failure> {
-    let is_terminal = io::stdout().is_terminal();
-    let period = Duration::from_secs_f32(1.0 / args.rate);
-    let mut shown = 0;
-    while !interrupted.load(Ordering::Relaxed) && args.samples.is_none_or(|most| shown < most) {
-        let Some(sample) = client.sample().map_err(refused)? else {
-            return Err(Failure::Refused(
-                "this board has no inputs of its own: its samples come from the host".into(),
-            ));
-        };
-        match show(&inputs(&sample), is_terminal) {
-            Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
-            done => done.map_err(|error| refused(format_args!("cannot print: {error}")))?,
-        }
-        shown += 1;
-        let due = Instant::now() + period;
-        while Instant::now() < due && !interrupted.load(Ordering::Relaxed) {
-            client.poll().map_err(refused)?;
-        }
-    }
-    if is_terminal {
-        say("")?;
-    }
-    Ok(())
-}
-
-fn inputs(sample: &SensorSample) -> String {
-    let SensorSample {
-        counts: [counts1, counts4],
-        drives:
-            BrushedSample {
-                current: [code1, code4],
-                bus_voltage,
-            },
-        home: [home1, home4],
-        index: [index1, index4],
-        emergency_stop,
-        driver_fault: [fault1, fault4],
-        missed_ticks: _,
-    } = sample;
-    let word = |is: &bool, yes: &'static str| if *is { yes } else { "-" };
-    format!(
-        "counts {counts1:>11} {counts4:>11}  currents {code1:4} {code4:4} codes  \
-         bus {bus_voltage:4} codes  home {:7} {:7}  index {:4} {:4}  emergency stop {:7}  bridges {:5} {:5}",
-        word(home1, "pressed"),
-        word(home4, "pressed"),
-        word(index1, "high"),
-        word(index4, "high"),
-        word(emergency_stop, "pressed"),
-        word(fault1, "fault"),
-        word(fault4, "fault"),
-    )
-}
-
 /// Samples lost, by the gaps in their numbers.
 #[derive(Default)]
 struct Losses {
@@ -180,7 +120,7 @@ impl Losses {
 }
 
 /// Prints a line; on a terminal it replaces the line before.
-fn show(line: &str, is_terminal: bool) -> io::Result<()> {
+pub(super) fn show(line: &str, is_terminal: bool) -> io::Result<()> {
     let mut out = io::stdout().lock();
     if is_terminal {
         write!(out, "\r\x1b[2K{line}")?;

@@ -11,7 +11,7 @@ use fivebar_firmware::controller::{Excitation, ExcitationEnd, Excited};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::recorder::{LogConfig, LogPage, PAGE_WORDS, Signals};
 use fivebar_firmware::safety::State;
-use fivebar_firmware::{Request, SensorSample, Settings, Status};
+use fivebar_firmware::{Request, Settings, Status, ToldSample};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_report::output::write_whole;
 use fivebar_sim::drive::{Drive, Homing};
@@ -104,7 +104,7 @@ impl Bench {
     /// Measures the zeros of both current sensors, with the bridges off.
     pub(super) fn measure_zeros(&mut self) -> Result<(), StepError> {
         let config = LogConfig {
-            signals: (Signals::CURRENT_1 | Signals::CURRENT_4).bits(),
+            signals: (Signals::SENSED_1 | Signals::SENSED_4).bits(),
             every: 1,
             powered: false,
         };
@@ -192,7 +192,7 @@ impl Bench {
     }
 
     /// The latest sample of the inputs.
-    pub(super) fn sample(&mut self) -> Result<SensorSample, StepError> {
+    pub(super) fn sample(&mut self) -> Result<ToldSample, StepError> {
         self.client.sample()?.ok_or_else(|| {
             StepError::other("this board has no inputs of its own: it is stepped by its host")
         })
@@ -212,7 +212,7 @@ impl Bench {
     }
 
     /// Samples over some time, about one every 10 ms.
-    pub(super) fn samples(&mut self, seconds: f64) -> Result<Vec<SensorSample>, StepError> {
+    pub(super) fn samples(&mut self, seconds: f64) -> Result<Vec<ToldSample>, StepError> {
         let mut samples = Vec::new();
         for _ in 0..(seconds / 0.01) as u32 {
             samples.push(self.sample()?);

@@ -43,19 +43,21 @@ impl LogRows {
 
     /// The codes of a joint's current.
     pub(super) fn current_codes(&self, joint: Joint) -> Vec<f64> {
-        let signal = [Signals::CURRENT_1, Signals::CURRENT_4][joint];
+        let signal = [Signals::SENSED_1, Signals::SENSED_4][joint];
         self.column(signal).map(f64::from).collect()
     }
 
     /// The duties of a joint.
     pub(super) fn duties(&self, joint: Joint) -> Vec<f64> {
-        let signal = [Signals::DUTY_1, Signals::DUTY_4][joint];
+        let signal = [Signals::TOLD_1, Signals::TOLD_4][joint];
         let duty = |word: u16| f64::from(word as i16) / 32_767.0;
         self.column(signal).map(duty).collect()
     }
 
     /// The codes of the bus voltage.
     pub(super) fn bus_codes(&self) -> Vec<f64> {
-        self.column(Signals::BUS_VOLTAGE).map(f64::from).collect()
+        self.column(Signals::SENSED_OF_BOTH)
+            .map(f64::from)
+            .collect()
     }
 }

@@ -1,5 +1,6 @@
 //! The command `fivebar identify`: proposals, simulated logs, answers, files and refusals.
 
+use crate::arms::text;
 use fivebar_testkit::program;
 use serde_json::Value;
 use std::path::Path;
@@ -119,6 +120,47 @@ fn an_arm_is_excited_logged_identified_and_its_file_rewritten() {
     }
 
     spoilt_logs_are_refused(folder.path(), log, second);
+}
+
+/// The log has torques in the place of currents. The simulated arm is that of the declared mismatch.
+#[test]
+fn arms_on_a_bus_are_excited_logged_identified_and_their_files_rewritten() {
+    for arm in ["leg", "mit"] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let [file, log, second, out] = ["arm.toml", "log.csv", "second.csv", "out.toml"].map(path);
+        std::fs::write(&file, text(arm)).unwrap();
+        answer(&["--robot", &file, "--simulate", &log]);
+        answer(&["--robot", &file, "--simulate", &second, "--second"]);
+        let header = std::fs::read_to_string(&log).unwrap();
+        assert!(header.starts_with("time_s,theta1_rad,theta4_rad,torque1_nm,torque4_nm\n"));
+        let found = answer(&[
+            "--robot",
+            &file,
+            "--log",
+            &log,
+            "--validate",
+            &second,
+            "--out",
+            &out,
+        ]);
+        let share = |key: &str| found["validation"][key].as_f64().unwrap();
+        assert!(share("error_share") < 0.03, "{arm}: {found}");
+        assert!(
+            share("error_of_the_file_share") > 4.0 * share("error_share"),
+            "{arm}: {found}"
+        );
+        assert!(found["coverage_factor_95"].as_f64().unwrap() > 1.9, "{arm}");
+        let robot = fivebar_files::robot::Robot::load(&out).unwrap();
+        let [first, _] = robot.actuators.unwrap();
+        assert!((first.coulomb_friction / 26e-3 - 1.0).abs() < 0.02, "{arm}");
+        let carried = answer(&["--robot", &out, "--log", &second, "--payload"]);
+        let payload = carried["payload_kg"].as_f64().unwrap();
+        assert!(
+            (payload - robot.arm().unwrap().payload()).abs() < 1e-3,
+            "{carried}"
+        );
+    }
 }
 
 /// Logs that do not belong to the arm, made of two that do.

@@ -21,7 +21,7 @@ pub use linkage_csv::linkage_csv;
 #[cfg(feature = "mcap")]
 pub use mcap::mcap;
 pub use mjcf::mjcf;
-pub use motion_log::motion_csv;
+pub use motion_log::{motion_columns, motion_csv};
 pub use photo_csv::{photo_csv, photo_points_csv};
 pub use trace_csv::trace_csv;
 pub use urdf::urdf;

@@ -11,12 +11,19 @@ pub fn margins(study: &MarginsStudy<'_>) -> Page {
         "{}: margins of the position loop",
         study.robot.name
     ));
-    page.paragraph(
-        "The whole sampled loop: observers, prediction, position loop, computed torque, \
-         current loop with its tick of delay, windings, springs of the drives, the arm's inertia, \
-         the encoder's latency. It is opened at both torques at once; the lines are the two \
-         eigenvalues of the open loop at the worst pose.",
-    );
+    let parts = match study.robot.can_drives() {
+        None => {
+            "current loop with its tick of delay, windings, springs of the drives, the arm's inertia, the encoder's \
+             latency"
+        }
+        Some(_) => {
+            "the bus, the drives' own current loops, springs and dampers, the arm's inertia, the age of the answers"
+        }
+    };
+    page.paragraph(&format!(
+        "The whole sampled loop: observers, prediction, position loop, computed torque, {parts}. It is opened at both \
+         torques at once; the lines are the two eigenvalues of the open loop at the worst pose."
+    ));
     for line in text::margins(study).lines() {
         page.paragraph(line.trim());
     }

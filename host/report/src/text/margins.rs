@@ -19,11 +19,11 @@ pub fn margins(study: &MarginsStudy<'_>) -> String {
             belt1.bandwidth, belt4.bandwidth
         ),
     };
+    let current = study.current_bandwidth();
     let mut text = format!(
-        "{}: {loops}, current loop {:.0} rad/s, tick {:.0} Hz\n\
+        "{}: {loops}, current loop {current:.0} rad/s, tick {:.0} Hz\n\
          worst of {} poses: θ1 = {theta1:.3} rad, θ4 = {theta4:.3} rad, C at ({:.1}, {:.1}) mm\n",
         study.robot.name,
-        control.current_bandwidth,
         control.tick_rate,
         study.poses.len(),
         1e3 * worst.tool[0],

@@ -23,7 +23,9 @@ use fivebar_firmware::safety::State;
 use fivebar_firmware::session;
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::storage::StorageError;
-use fivebar_firmware::{ActuatorCommand, MoveKind, Planner, Request, SensorSample, Settings};
+use fivebar_firmware::{
+    ActuatorCommand, MoveKind, Planner, Request, SensorSample, Settings, ToldSample,
+};
 use fivebar_plant::Plant;
 
 /// Ticks between two requests of the status.
@@ -35,7 +37,7 @@ pub(crate) type Output = ([u32; 2], bool, State);
 /// A board with sensors of its own, whose flash accepts everything.
 struct Desk {
     log: Log,
-    sample: SensorSample,
+    sample: ToldSample,
 }
 
 impl Board for Desk {
@@ -51,7 +53,7 @@ impl Board for Desk {
         Some(self.log.recorder())
     }
 
-    fn sample(&self) -> Option<SensorSample> {
+    fn sample(&self) -> Option<ToldSample> {
         Some(self.sample)
     }
 }
@@ -103,7 +105,7 @@ impl<'b> Session<'b> {
             is_sound: true,
             board: Box::new(Desk {
                 log: Log::new(),
-                sample: SensorSample::default(),
+                sample: ToldSample::default(),
             }),
             flags,
             controller: Controller::new(&checked),
@@ -330,12 +332,14 @@ impl<'b> Session<'b> {
                 self.hostile = None;
             }
         }
-        self.board.sample = sample;
+        self.board.sample = sample.with_drives(sample.drives.into());
         let command = self.controller.tick(&sample);
-        self.board
-            .log
-            .recorder()
-            .record(&sample, &command, self.controller.ticks());
+        self.board.log.recorder().record(
+            self.controller.drives(),
+            &sample,
+            &command,
+            self.controller.ticks(),
+        );
         let status = self.controller.status();
         self.rules.check(tick, &sample, &command, &status)?;
         let followed = status

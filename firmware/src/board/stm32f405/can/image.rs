@@ -43,12 +43,12 @@ mod app {
     use fivebar_firmware::board::stm32f405::services::{self, BoardServices};
     use fivebar_firmware::board::stm32f405::watchdog::Tasks;
     use fivebar_firmware::board::stm32f405::{brown_out, halt, post_mortem, serial, tool};
-    use fivebar_firmware::drives::{BrushedCommand, BrushedSample, TorqueDrives};
+    use fivebar_firmware::drives::{Drives, TorqueDrives, TorqueSample};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::session::{self, Session, fault_at_start};
     use fivebar_firmware::settings::BoardLimits;
-    use fivebar_firmware::{ArmController, Request, SensorSample};
+    use fivebar_firmware::{ArmController, ArmSample, Request};
     use heapless::spsc::{Consumer, Producer, Queue};
 
     type Controller = ArmController<TorqueDrives>;
@@ -62,7 +62,7 @@ mod app {
     struct Shared {
         controller: &'static mut Controller,
         /// The sample of the last tick.
-        sample: SensorSample,
+        sample: ArmSample<TorqueSample>,
         bus: &'static mut Bus,
     }
 
@@ -176,7 +176,7 @@ mod app {
             // It failed meanwhile, and what came behind it set up pins and dividers as if it had not.
             super::crystal_failed();
         }
-        let sample = SensorSample::default();
+        let sample = ArmSample::default();
         let shared = Shared {
             controller,
             sample,
@@ -196,8 +196,7 @@ mod app {
             let stopped = STOP.swap(false, Ordering::Relaxed);
             let sensed = cx.shared.bus.lock(|bus| bus.sense());
             let sample = sensors.sample(sensed, missed, stopped);
-            let reported = sample.with_drives(BrushedSample::default());
-            cx.shared.sample.lock(|latest| *latest = reported);
+            cx.shared.sample.lock(|latest| *latest = sample);
             cx.shared.controller.lock(|controller| {
                 let command = if CLOCK_FAILED.load(Ordering::Relaxed) {
                     controller.tick_without_clock(&sample)
@@ -206,8 +205,8 @@ mod app {
                 };
                 cx.shared.bus.lock(|bus| bus.send(&command));
                 outputs.apply(&command);
-                let command = command.with_drives(BrushedCommand::default());
-                services::recorder().record(&reported, &command, controller.ticks());
+                let drives = controller.drives();
+                services::recorder().record(drives, &sample, &command, controller.ticks());
             });
         });
         Tasks::TICK.advanced();
@@ -255,7 +254,10 @@ mod app {
         loop {
             if let Some(message) = local.commands.dequeue() {
                 let session = &mut *local.session;
-                local.services.sample = sample.lock(|latest| *latest);
+                let latest = sample.lock(|latest| *latest);
+                let words =
+                    controller.lock(|controller| controller.drives().sensed_words(&latest.drives));
+                local.services.sample = latest.with_drives(words);
                 if let Some(frame) =
                     session.answer(&message, controller, local.planner, local.services)
                 {

@@ -40,12 +40,12 @@ mod app {
     use fivebar_firmware::board::stm32f405::stepper::timers::{self, TICK_CYCLES};
     use fivebar_firmware::board::stm32f405::watchdog::Tasks;
     use fivebar_firmware::board::stm32f405::{brown_out, halt, post_mortem, serial, tool};
-    use fivebar_firmware::drives::{BrushedCommand, BrushedSample, StepDrives};
+    use fivebar_firmware::drives::{Drives, StepDrives, StepSample};
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
     use fivebar_firmware::session::{self, Session, fault_at_start};
     use fivebar_firmware::settings::BoardLimits;
-    use fivebar_firmware::{ArmController, Request, SensorSample};
+    use fivebar_firmware::{ArmController, ArmSample, Request};
     use heapless::spsc::{Consumer, Producer, Queue};
 
     type Controller = ArmController<StepDrives>;
@@ -59,7 +59,7 @@ mod app {
     struct Shared {
         controller: &'static mut Controller,
         /// The sample of the last tick.
-        sample: SensorSample,
+        sample: ArmSample<StepSample>,
     }
 
     #[local]
@@ -167,7 +167,7 @@ mod app {
             // It failed meanwhile, and what came behind it set up pins and dividers as if it had not.
             super::crystal_failed();
         }
-        let sample = SensorSample::default();
+        let sample = ArmSample::default();
         (Shared { controller, sample }, local)
     }
 
@@ -197,8 +197,7 @@ mod app {
         meter.measure(waited, || {
             let stopped = STOP.swap(false, Ordering::Relaxed) || outputs.timers.is_held();
             let sample = sensors.sample(outputs.steps(missed), missed, stopped);
-            let reported = sample.with_drives(BrushedSample::default());
-            cx.shared.sample.lock(|latest| *latest = reported);
+            cx.shared.sample.lock(|latest| *latest = sample);
             cx.shared.controller.lock(|controller| {
                 let command = if CLOCK_FAILED.load(Ordering::Relaxed) {
                     controller.tick_without_clock(&sample)
@@ -206,8 +205,8 @@ mod app {
                     controller.tick(&sample)
                 };
                 outputs.apply(&command);
-                let command = command.with_drives(BrushedCommand::default());
-                services::recorder().record(&reported, &command, controller.ticks());
+                let drives = controller.drives();
+                services::recorder().record(drives, &sample, &command, controller.ticks());
                 outputs.timers.rearm_break();
             });
         });
@@ -247,7 +246,10 @@ mod app {
         loop {
             if let Some(message) = local.commands.dequeue() {
                 let session = &mut *local.session;
-                local.services.sample = sample.lock(|latest| *latest);
+                let latest = sample.lock(|latest| *latest);
+                let words =
+                    controller.lock(|controller| controller.drives().sensed_words(&latest.drives));
+                local.services.sample = latest.with_drives(words);
                 if let Some(frame) =
                     session.answer(&message, controller, local.planner, local.services)
                 {

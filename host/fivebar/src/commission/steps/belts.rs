@@ -107,8 +107,8 @@ fn belt(bench: &mut Bench, joint: Joint, drives: &[Actuator; 2]) -> Result<Found
         travel: TRAVEL,
         current: drive.continuous_current,
         signals: [
-            Signals::COUNTS_1 | Signals::CURRENT_1,
-            Signals::COUNTS_4 | Signals::CURRENT_4,
+            Signals::COUNTS_1 | Signals::SENSED_1,
+            Signals::COUNTS_4 | Signals::SENSED_4,
         ][joint],
         every: 1,
     };

@@ -64,8 +64,8 @@ fn pulse_current(bench: &mut Bench, joint: Joint, volts: f64) -> Result<f64, Ste
         travel: 0.1,
         current: over_current,
         signals: [
-            Signals::CURRENT_1.union(Signals::DUTY_1),
-            Signals::CURRENT_4.union(Signals::DUTY_4),
+            Signals::SENSED_1.union(Signals::TOLD_1),
+            Signals::SENSED_4.union(Signals::TOLD_4),
         ][joint],
         every: 1,
     };

@@ -14,7 +14,7 @@ const TIMEOUT_S: f64 = 2.5;
 /// The bus voltage [V].
 pub(super) fn bus(bench: &mut Bench) -> Result<f64, StepError> {
     let per_code = f64::from(bench.settings.protection.bus_voltage_per_code);
-    Ok(f64::from(bench.sample()?.drives.bus_voltage) * per_code)
+    Ok(f64::from(bench.sample()?.drives.both) * per_code)
 }
 
 /// Waits until the bus, which had so many volts, has fallen; the time that it took [s].

@@ -150,7 +150,7 @@ fn every(bench: &Bench) -> u16 {
 /// Rows of time, θ1, θ4 and the currents of joints 1 and 4 along some rounds.
 fn motion(bench: &mut Bench, rounds: Range<usize>) -> Result<Vec<[f64; 5]>, StepError> {
     let moves = excitation(bench, rounds)?;
-    let signals = Signals::COUNTS_1 | Signals::COUNTS_4 | Signals::CURRENT_1 | Signals::CURRENT_4;
+    let signals = Signals::COUNTS_1 | Signals::COUNTS_4 | Signals::SENSED_1 | Signals::SENSED_4;
     let every = every(bench);
     let JointLog {
         period,

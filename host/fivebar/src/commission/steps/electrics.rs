@@ -60,13 +60,13 @@ const LEAST_ROWS: usize = 5;
 
 const SIGNALS: [Signals; 2] = [
     Signals::COUNTS_1
-        .union(Signals::CURRENT_1)
-        .union(Signals::DUTY_1)
-        .union(Signals::BUS_VOLTAGE),
+        .union(Signals::SENSED_1)
+        .union(Signals::TOLD_1)
+        .union(Signals::SENSED_OF_BOTH),
     Signals::COUNTS_4
-        .union(Signals::CURRENT_4)
-        .union(Signals::DUTY_4)
-        .union(Signals::BUS_VOLTAGE),
+        .union(Signals::SENSED_4)
+        .union(Signals::TOLD_4)
+        .union(Signals::SENSED_OF_BOTH),
 ];
 
 /// Resistance and inductance from a pseudo-random sequence of voltages, then the torque constant

@@ -90,8 +90,8 @@ fn sweep(bench: &mut Bench, joint: Joint) -> Result<Vec<[f64; 2]>, StepError> {
         let time = 8.0 * half / speed + 0.3;
         let every = (2.0 * time * bench.robot.control.tick_rate / LOG_WORDS as f64).ceil();
         let signals = [
-            Signals::COUNTS_1 | Signals::CURRENT_1,
-            Signals::COUNTS_4 | Signals::CURRENT_4,
+            Signals::COUNTS_1 | Signals::SENSED_1,
+            Signals::COUNTS_4 | Signals::SENSED_4,
         ][joint];
         let log = logged(bench, &moves, signals, every as u16)?;
         let constant = drive.gear_ratio.abs() * drive.torque_constant;

@@ -32,11 +32,7 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 pub(in super::super) fn supply(bench: &mut Bench) -> Result<Outcome, StepError> {
     let samples = bench.samples(0.5)?;
     let per_code = f64::from(bench.settings.protection.bus_voltage_per_code);
-    let [volts, noise] = mean(
-        samples
-            .iter()
-            .map(|s| f64::from(s.drives.bus_voltage) * per_code),
-    );
+    let [volts, noise] = mean(samples.iter().map(|s| f64::from(s.drives.both) * per_code));
     let wanted = bench.robot.supply.voltage;
     if (volts - wanted).abs() > VOLTAGE_TOLERANCE * wanted {
         return Err(StepError::wrong(
@@ -53,7 +49,7 @@ pub(in super::super) fn supply(bench: &mut Bench) -> Result<Outcome, StepError> 
     for joint in Joint::ALL {
         let codes = samples
             .iter()
-            .map(|sample| f64::from(sample.drives.current[joint]));
+            .map(|sample| f64::from(sample.drives.joints[joint]));
         let [zero, noise] = mean(codes);
         let middle = f64::from(bench.settings.axes[joint].current_zero_code);
         if (zero - middle).abs() > ZERO_TOLERANCE {

@@ -36,9 +36,9 @@ pub(in super::super) fn directions(bench: &mut Bench) -> Result<Outcome, StepErr
                 current: drive.continuous_current,
                 signals: Signals::COUNTS_1
                     | Signals::COUNTS_4
-                    | Signals::CURRENT_1
-                    | Signals::CURRENT_4
-                    | [Signals::DUTY_1, Signals::DUTY_4][joint],
+                    | Signals::SENSED_1
+                    | Signals::SENSED_4
+                    | [Signals::TOLD_1, Signals::TOLD_4][joint],
                 every: 1,
             })?;
             let last = share == SHARES[SHARES.len() - 1];

@@ -84,12 +84,11 @@ impl Sample {
             &accelerations,
             Vector2::zeros(),
         );
-        let ratio = actuator.gear_ratio;
         let coulomb = match omega[joint].abs() > STILL {
-            true => actuator.coulomb_friction.copysign(omega[joint]) * ratio.abs(),
+            true => actuator.coulomb_friction.copysign(omega[joint]),
             false => 0.0,
         };
-        let viscous = actuator.viscous_friction * ratio * ratio * omega[joint];
+        let viscous = actuator.viscous_friction * omega[joint];
         let error = f64::from(motion.angle[joint] - status.angle[joint]);
         Some(Self {
             tick: status.tick,
@@ -135,8 +134,7 @@ fn within_tolerance(
     let line = tried(&mut bench.client, robot, &settings, &moves, joint)?;
     // The simulation below takes longer than a powered arm waits for its host.
     bench.power_off()?;
-    let drive = bench.drive(joint)?;
-    let friction = drive.coulomb_friction * drive.gear_ratio.abs();
+    let friction = bench.drive(joint)?.coulomb_friction;
     if line.greatest < LEAST * friction {
         return Err(StepError::wrong(
             format_args!(

@@ -2,6 +2,7 @@
 
 mod answer;
 mod payload;
+mod told;
 
 pub use answer::{answer, payload_answer, proposal_answer, validation_answer};
 pub use payload::{measured_payload, payload_of};
@@ -45,12 +46,14 @@ pub enum StudyError {
     NoExcitation(String),
 }
 
-/// Identifies a robot from rows of time, θ1, θ4, current 1, current 4.
+/// Identifies a robot from rows of time, θ1, θ4, current 1, current 4. With drives on a bus, in the place of the currents are
+/// the torques that the drives are told in the row's tick, while they make no spring.
 ///
 /// # Errors
 /// The robot has no actuators or no pose at home, or the log is refused.
 pub fn identify_robot(robot: &Robot, rows: &[[f64; 5]]) -> Result<Identification, StudyError> {
-    Ok(identify(&log_of(rows), &observed(robot)?)?)
+    let found = identify(&log_of(robot, rows)?, &observed(robot)?)?;
+    Ok(told::widened(robot, found))
 }
 
 /// Finds the errors of encoders on the motors' shafts from rows as for [`identify_robot`], whose angles are what the
@@ -67,7 +70,7 @@ pub fn encoder_errors_of(
     let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
     let ratios = actuators.each_ref().map(|actuator| actuator.gear_ratio);
     Ok(identify_encoders(
-        &log_of(rows),
+        &log_of(robot, rows)?,
         &observed(robot)?,
         ratios,
         start,
@@ -99,7 +102,11 @@ pub fn validate_robot(
         coulomb: actuators.each_ref().map(|drive| drive.coulomb_friction),
         offset: found.map_or([0.0; 2], |found| found.offset),
     };
-    Ok(validate(&log_of(rows), &observed(robot)?, &predictor)?)
+    Ok(validate(
+        &log_of(robot, rows)?,
+        &observed(robot)?,
+        &predictor,
+    )?)
 }
 
 /// How well a second log's torques are predicted.
@@ -127,7 +134,7 @@ pub fn validations(
         coulomb: found.coulomb,
         offset: found.offset,
     };
-    let after = validate(&log_of(rows), &observed(robot)?, &predictor)?;
+    let after = validate(&log_of(robot, rows)?, &observed(robot)?, &predictor)?;
     let share = after.rms / after.torque_rms;
     // Not a number: there are no torques.
     if share.is_nan() || share > 0.5 {
@@ -140,22 +147,34 @@ pub fn validations(
     Ok(Validations { before, after })
 }
 
-fn log_of(rows: &[[f64; 5]]) -> Log {
+fn log_of(robot: &Robot, rows: &[[f64; 5]]) -> Result<Log, StudyError> {
+    let per_torque = match robot.can_bus() {
+        Some(_) => torque_per_ampere(robot)?.map(|torque| 1.0 / torque),
+        None => [1.0; 2],
+    };
     let mut log = Log::default();
-    for &[time, theta1, theta4, current1, current4] in rows {
+    for [time, theta1, theta4, first, fourth] in told::acted(robot, rows) {
         log.times.push(time);
         log.angles.push([theta1, theta4]);
-        log.currents.push([current1, current4]);
+        log.currents
+            .push([first * per_torque[0], fourth * per_torque[1]]);
     }
-    log
+    Ok(log)
+}
+
+/// Torque at the joint per current [N·m/A].
+fn torque_per_ampere(robot: &Robot) -> Result<[f64; 2], StudyError> {
+    let actuators = robot.actuators.as_ref();
+    let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
+    Ok(actuators
+        .each_ref()
+        .map(|actuator| actuator.peak_torque() / actuator.peak_current))
 }
 
 fn observed(robot: &Robot) -> Result<Observed<'_>, StudyError> {
     let actuators = robot.actuators.as_ref();
     let actuators = actuators.ok_or_else(|| StudyError::NoActuators(robot.name.clone()))?;
-    let torque_per_ampere = actuators
-        .each_ref()
-        .map(|actuator| actuator.peak_torque() / actuator.peak_current);
+    let torque_per_ampere = torque_per_ampere(robot)?;
     Ok(Observed {
         geometry: &robot.geometry,
         assembly: robot.home_pose()?.assembly(),

@@ -9,7 +9,7 @@ use fivebar_files::robot::{Measured, MeasuredKey, Robot};
 /// # Errors
 /// The robot has no masses, actuators or pose at home, or the log is refused.
 pub fn payload_of(robot: &Robot, rows: &[[f64; 5]]) -> Result<Payload, StudyError> {
-    let found = identify_payload(&log_of(rows), &observed(robot)?, robot.arm()?)?;
+    let found = identify_payload(&log_of(robot, rows)?, &observed(robot)?, robot.arm()?)?;
     Ok(found)
 }
 

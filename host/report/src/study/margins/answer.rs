@@ -33,7 +33,7 @@ impl MarginsStudy<'_> {
             "damping": gains.damping,
             "integral_rate_rad_s": gains.integral_rate,
             "observer_bandwidth_rad_s": gains.observer_bandwidth,
-            "current_bandwidth_rad_s": gains.current_bandwidth,
+            "current_bandwidth_rad_s": self.current_bandwidth(),
             "poses": self.poses.len(),
         })
     }

@@ -1,6 +1,7 @@
 //! The margins of a robot's position loop over its workspace.
 
 mod answer;
+mod bus;
 
 use fivebar_design::servo::{Gains, LoopPoint, Margins, Servo};
 use fivebar_files::robot::{MissingMasses, Robot};
@@ -30,7 +31,8 @@ pub struct PoseMargins {
     pub tool: [f64; 2],
     /// Its margins; none if the loop is unstable there.
     pub margins: Option<Margins>,
-    /// The greatest |z| of the closed loop's poles.
+    /// The greatest |z| of the closed loop's poles; of a loop through a bus, whose poles are not computed, 1 if it is unstable
+    /// and else 0.
     pub radius: f64,
 }
 
@@ -54,7 +56,8 @@ pub struct MarginsStudy<'a> {
     /// The least modulus margin over all poses of arms with −20 to +30 % of the links' inertia and 0 to twice the
     /// payload; none if one of them is unstable.
     pub modulus_range: Option<f64>,
-    /// The greatest compliance of the tip per its static one, over all poses; none if the loop is unstable.
+    /// The greatest compliance of the tip per its static one, over all poses; none if the loop is unstable, or goes through a
+    /// bus.
     pub disturbance_peak: Option<f64>,
 }
 
@@ -64,6 +67,9 @@ impl<'a> MarginsStudy<'a> {
     /// # Errors
     /// A robot without masses, or without a pose.
     pub fn new(robot: &'a Robot) -> Result<Self, MarginsError> {
+        if let Some(servos) = robot.bus_servos()? {
+            return Self::through_bus(robot, &servos);
+        }
         let gains = robot.gains();
         let servos = robot.servos()?;
         let mut poses: Vec<PoseMargins> = servos
@@ -78,10 +84,7 @@ impl<'a> MarginsStudy<'a> {
                 }
             })
             .collect();
-        let badness = |pose: &PoseMargins| pose.margins.map_or(pose.radius, |m| -m.modulus);
-        let worst = (0..poses.len())
-            .max_by(|&a, &b| badness(&poses[a]).total_cmp(&badness(&poses[b])))
-            .ok_or_else(|| MarginsError::NoPose(robot.name.clone()))?;
+        let worst = worst_of(robot, &poses)?;
         let servo: &Servo = &servos[worst].1;
         let law = servo.law(&gains);
         if let Some(margins) = &mut poses[worst].margins {
@@ -103,10 +106,26 @@ impl<'a> MarginsStudy<'a> {
         })
     }
 
+    /// Bandwidth of the current loop, which drives on a bus have of their own [rad/s].
+    pub fn current_bandwidth(&self) -> f64 {
+        let drives = self.robot.can_drives();
+        drives.map_or(self.robot.control.current_bandwidth, |[first, _]| {
+            first.current_bandwidth
+        })
+    }
+
     /// The worst pose.
     pub fn worst(&self) -> &PoseMargins {
         &self.poses[self.worst]
     }
+}
+
+/// The index of the pose with the least modulus margin, or of the most unstable one.
+fn worst_of(robot: &Robot, poses: &[PoseMargins]) -> Result<usize, MarginsError> {
+    let badness = |pose: &PoseMargins| pose.margins.map_or(pose.radius, |m| -m.modulus);
+    (0..poses.len())
+        .max_by(|&a, &b| badness(&poses[a]).total_cmp(&badness(&poses[b])))
+        .ok_or_else(|| MarginsError::NoPose(robot.name.clone()))
 }
 
 /// The least modulus margin of the arms that may be meant.
