@@ -76,12 +76,12 @@ pub struct DriveStiffness {
 }
 
 /// The bandwidth of spring and damper, times what the drive's damper is late [1], and by how much less it is for each second
-/// of the current loop's lag [1/s]: the controller's own loop is stiff, too, and late, and beside a slow drive both would
-/// leave an arm of seven tenths of the inertia a margin of less than a third.
-const PER_LAG: f32 = 0.55;
-const LESS_PER_LAG: f32 = 300.0;
+/// of the current loop's lag [1/s]. The controller's own loop is late, too: beside a slow drive a stiffer spring would take of
+/// its margin, and beside a fast one give to it, up to here (`fivebar margins`, over the range of inertias).
+const PER_LAG: f32 = 0.6;
+const LESS_PER_LAG: f32 = 600.0;
 /// Its bounds [1].
-const PER_LAG_BOUNDS: [f32; 2] = [0.2, 0.4];
+const PER_LAG_BOUNDS: [f32; 2] = [0.2, 0.3];
 /// What a drive tells its damper of its velocity is late by the current loop and by the tracking loop of its encoder: as
 /// many times the lag of the current loop, if both have the same bandwidth.
 const VELOCITY_LAGS: f32 = 3.0;
