@@ -61,8 +61,7 @@ fn sequence_and_session_are_checked() {
     for code in sample.drives.joints {
         assert!(code.abs_diff(2048) < 20, "{sample:?}");
     }
-    let bus =
-        f32::from(sample.drives.both) * Settings::BENCHTOP.protection.bus_voltage_per_code;
+    let bus = f32::from(sample.drives.both) * Settings::BENCHTOP.protection.bus_voltage_per_code;
     assert!((bus - 24.0).abs() < 0.5, "{sample:?}");
     assert_eq!(
         (sample.home, sample.emergency_stop, sample.driver_fault),
