@@ -126,7 +126,7 @@ def the_plots_are_drawn_within_the_policy(page):
     browser.click("#tab-plots")
     browser.wait("curves", lambda: browser.script(COLOURED + """
         const plots = [...document.querySelectorAll('#panel-plots canvas')];
-        return plots.length === 3 && plots.every((plot) => plot.width > 0 && coloured(plot, '--one') > 20);"""))
+        return plots.length === 4 && plots.every((plot) => plot.width > 0 && coloured(plot, '--one') > 20);"""))
     assert "failed" not in browser.text("#notice"), browser.text("#notice")
     # A style attribute that a script adds is against the policy: the observer must see it alone.
     refused = browser.script("""
