@@ -3,7 +3,7 @@
 
 use crate::arms::{ARMS, text};
 use crate::commission::{commission, record, value};
-use fivebar_files::robot::Robot;
+use fivebar_files::robot::{Draft, Robot};
 use fivebar_testkit::program;
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -252,4 +252,25 @@ fn a_new_arm_is_commissioned_to_the_end() {
     assert!(output.status.success(), "{message}");
     let after = value(&record(folder.path()), "tip_error_after_rms_m");
     assert!(after < 0.3e-3, "{after} m");
+}
+
+/// With other sizes, and upright, where the steps before homing leave the joints far behind their switches.
+#[test]
+fn arms_of_new_of_other_sizes_are_commissioned_to_the_end() {
+    let mut wide = Draft::new("wide");
+    wide.set_base(0.2);
+    wide.set_cranks([0.15; 2]);
+    wide.set_couplers([0.3; 2]);
+    let mut upright = Draft::new("upright");
+    upright.upright = true;
+    for draft in [wide, upright] {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("arm.toml");
+        fs::write(&file, draft.text()).unwrap();
+        let output = commission(folder.path(), &["--robot", &file.display().to_string()]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{}: {message}", draft.name);
+        let record = record(folder.path());
+        assert_eq!(record["steps"].as_array().unwrap().len(), 13);
+    }
 }

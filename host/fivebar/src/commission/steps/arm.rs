@@ -2,16 +2,18 @@
 
 use super::super::bench::Bench;
 use super::super::finding::StepError;
+use super::super::operator::Task;
 use super::super::record::Value;
-use super::moving::origins;
+use super::moving::{middle, origins};
 use super::{Outcome, index};
 use fivebar_files::robot::{HomeMethod, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Status;
+use fivebar_firmware::safety::Fault;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_report::picture::{DrawnPoint, validation as picture};
 use fivebar_report::study::margins::MarginsStudy;
-use fivebar_sim::drive::Drive;
+use fivebar_sim::drive::{Drive, DriveError};
 use fivebar_sim::simulation::Simulate;
 
 /// How often the arm is homed: what no encoder watches is homed oftener.
@@ -34,7 +36,12 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
         if bench.robot.homing.method == HomeMethod::Index {
             values = index::home(bench)?;
         } else {
-            bench.home()?;
+            match bench.home() {
+                Err(StepError::Drive(DriveError::Fault(Fault::Envelope))) if found.is_empty() => {
+                    home_from_the_middle(bench)?;
+                }
+                homed => homed?,
+            }
         }
         found.push(origins(bench)?);
     }
@@ -62,6 +69,15 @@ pub(in super::super) fn homing(bench: &mut Bench) -> Result<Outcome, StepError> 
         format!("both home angles were found {times} times, at the same counts"),
         values,
     ))
+}
+
+/// Homes from where a hand has put the arm: the steps before, of an arm that knew no angle, have left it so far behind its
+/// switches that it cannot back off them.
+fn home_from_the_middle(bench: &mut Bench) -> Result<(), StepError> {
+    bench.clear()?;
+    bench.ask(Task::Place(middle(bench)?))?;
+    bench.ask(Task::LetGo)?;
+    bench.home()
 }
 
 /// The gains follow from the arm; their margins must do.
