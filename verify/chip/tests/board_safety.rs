@@ -173,13 +173,10 @@ const OF_OTHER_DRIVES: [Fault; 4] = [
     Fault::StepsLost,
 ];
 
-/// The document names a test of this folder for each fault of this image.
+/// The table names a test of this folder for each fault of this image.
 #[test]
 fn each_fault_has_a_test_on_this_image() {
-    let document = include_str!("../../../docs/use/faults.md");
-    let (_, part) = document
-        .split_once("## On the simulated chip")
-        .expect("the table");
+    let table = include_str!("../../../docs/verify/data/chip_faults.csv");
     let tests = [
         include_str!("faults.rs"),
         include_str!("board_faults.rs"),
@@ -191,10 +188,12 @@ fn each_fault_has_a_test_on_this_image() {
     ]
     .concat();
     for fault in Fault::all().filter(|fault| !OF_OTHER_DRIVES.contains(fault)) {
-        let start = format!("| {} ", fault.number());
-        let row = part.lines().find(|line| line.starts_with(&start));
-        let row = row.unwrap_or_else(|| panic!("no row of {fault:?}"));
-        let names: Vec<_> = row.split('`').skip(1).step_by(2).collect();
+        let start = format!("{},", fault.number());
+        let row = table.lines().find(|line| line.starts_with(&start));
+        let (_, names) = row
+            .and_then(|row| row.rsplit_once(','))
+            .unwrap_or_else(|| panic!("no row of {fault:?}"));
+        let names: Vec<_> = names.split_whitespace().collect();
         assert!(!names.is_empty(), "{fault:?}");
         for name in names {
             assert!(tests.contains(&format!("fn {name}()")), "{name}");

@@ -86,7 +86,7 @@ fn the_scenario_of_the_document_is_read_with_its_defaults() {
 
 /// The lines between which the table of the settings stands.
 const TABLE: [&str; 2] = [
-    "|key|unit|what it must be|default|meaning|\n|---|---|---|---|---|\n",
+    "|key|unit|what it must be|\n|---|---|---|\n",
     "\nWhere two keys",
 ];
 
@@ -94,21 +94,8 @@ const TABLE: [&str; 2] = [
 fn table() -> String {
     let line = |row: Row| {
         let Row {
-            key,
-            unit,
-            must,
-            meaning,
-            ..
+            key, unit, must, ..
         } = row;
-        let default = row.default.map_or_else(String::new, |default| {
-            let plain = default.to_string();
-            if plain.len() > 6 {
-                format!("{default:e}")
-            } else {
-                plain
-            }
-        });
-        let meaning = meaning.replace('|', "\\|");
         // The heading says that a value must be so, and the unit has a column of its own.
         let must = must.to_string();
         let must = ["must lie in ", "must be "]
@@ -117,7 +104,7 @@ fn table() -> String {
             .unwrap_or(&must);
         let with_unit = format!(" {unit}");
         let must = must.strip_suffix(&with_unit).unwrap_or(must);
-        format!("|`{key}`|{unit}|{must}|{default}|{meaning}|\n")
+        format!("|`{key}`|{unit}|{must}|\n")
     };
     rows().filter(|row| !row.key.is_empty()).map(line).collect()
 }
@@ -128,18 +115,17 @@ fn the_document_shows_the_table_of_the_settings() {
     let [begin, end] = TABLE;
     let start = DOCUMENT.find(begin).expect("the table") + begin.len();
     let length = DOCUMENT[start..].find(end).expect("the end of the table");
-    keep_table("robot-file.md", DOCUMENT, start..start + length, &table());
+    let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
+    keep("use/robot-file.md", DOCUMENT, &new);
 }
 
-/// Holds the table in these bytes of a document of docs/use to this one. With `FIVEBAR_UPDATE` in the environment, the
-/// document is written anew instead.
-pub(crate) fn keep_table(name: &str, document: &str, old: std::ops::Range<usize>, table: &str) {
-    let new = [&document[..old.start], table, &document[old.end..]].concat();
+/// Holds a file of docs to this text. With `FIVEBAR_UPDATE` in the environment, it is written anew instead.
+pub(crate) fn keep(name: &str, old: &str, new: &str) {
     if std::env::var_os("FIVEBAR_UPDATE").is_some() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/use");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
         std::fs::write(format!("{folder}/{name}"), new).unwrap();
     } else {
         let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar-files --test files writes it anew";
-        assert!(new == document, "docs/use/{name} is not up to date; {hint}");
+        assert!(new == old, "docs/{name} is not up to date; {hint}");
     }
 }

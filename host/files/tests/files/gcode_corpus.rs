@@ -4,7 +4,7 @@
 //! `ccw:` are arcs with their centre and their end. Lines with `note:` are the notes on the job,
 //! lines with `#` say what the file is. NAME.refused has the message of a file that is no job.
 
-use crate::document::keep_table;
+use crate::document::keep;
 use fivebar_files::job::{self, Action, Job, Placement};
 use std::path::{Path, PathBuf};
 
@@ -167,12 +167,13 @@ fn files_that_are_no_jobs_are_refused_with_the_remedy() {
     }
 }
 
-const DOCUMENT: &str = include_str!("../../../../docs/use/programs.md");
-const TABLE: &str = "| file | what it is | read as |\n|---|---|---|\n";
+const TABLE: &str = include_str!("../../../../docs/verify/data/programs.csv");
 
-/// The table of the document: a row for each file.
+/// The table of the files: a row for each.
 fn table() -> String {
-    let mut rows: Vec<String> = Vec::new();
+    let mut rows = csv::Writer::from_writer(Vec::new());
+    let mut write = |cells: [&str; 3]| rows.write_record(cells).expect("a row");
+    write(["file", "what it is", "read as"]);
     for (name, _, text) in files("strokes") {
         let count = expected(&text).len();
         let notes = match notes(&text).len() {
@@ -181,25 +182,18 @@ fn table() -> String {
             notes => format!(", {notes} notes"),
         };
         let strokes = if count == 1 { "stroke" } else { "strokes" };
-        rows.push(format!(
-            "| `{name}` | {} | {count} {strokes}{notes} |\n",
-            described(&text)
-        ));
+        let read = format!("{count} {strokes}{notes}");
+        write([&name, &described(&text), &read]);
     }
     for (name, _, text) in files("refused") {
         let told: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
-        rows.push(format!(
-            "| `{name}` | {} | refused: {} |\n",
-            described(&text),
-            told.join(" ")
-        ));
+        let read = format!("refused: {}", told.join(" "));
+        write([&name, &described(&text), &read]);
     }
-    rows.concat()
+    String::from_utf8(rows.into_inner().expect("memory")).expect("UTF-8")
 }
 
 #[test]
-fn the_document_has_the_table_of_the_files() {
-    let start = DOCUMENT.find(TABLE).expect("the table") + TABLE.len();
-    let length = DOCUMENT[start..].find("\n\n").map_or(0, |end| end + 1);
-    keep_table("programs.md", DOCUMENT, start..start + length, &table());
+fn the_documents_have_the_table_of_the_files() {
+    keep("verify/data/programs.csv", TABLE, &table());
 }

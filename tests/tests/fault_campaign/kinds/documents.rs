@@ -44,20 +44,21 @@ fn seen(fault: Fault, kind: DriveKind, lines: &[Line]) -> String {
     format!("seen: {times}, {} ms, {} mm", short(after), short(cost))
 }
 
-/// The table of these faults.
+/// The table of these faults: those of which the same comes share a row.
 fn faults(faults: impl Iterator<Item = Fault>, lines: &[Line]) -> String {
-    let rows = faults.map(|fault| {
+    let mut rows: Vec<(String, Vec<String>)> = Vec::new();
+    for fault in faults {
         let name = format!("{} {}", fault.number(), fault_name(fault));
-        (
-            name,
-            DriveKind::ALL.map(|kind| seen(fault, kind, lines)).into(),
-        )
-    });
-    table(
-        "fault",
-        DriveKind::ALL.into_iter().map(DriveKind::name),
-        rows,
-    )
+        let cells = DriveKind::ALL.map(|kind| seen(fault, kind, lines));
+        match rows.iter_mut().find(|(_, of_row)| *of_row == cells) {
+            Some((names, _)) => {
+                let _ = write!(names, ", {name}");
+            }
+            None => rows.push((name, cells.into())),
+        }
+    }
+    let columns = DriveKind::ALL.into_iter().map(DriveKind::name);
+    table("fault", columns, rows.into_iter())
 }
 
 /// What no fault told of, though the tip was wrong by more than a tenth of the arm's leg.

@@ -1,5 +1,5 @@
-//! What came of the trials: the lines of docs/verify/data/fault_campaign.csv, and of them the table of
-//! docs/verify/fault-campaign.md.
+//! What came of the trials: the lines of docs/verify/data/fault_campaign.csv, and of them the table
+//! fault_campaign_by_kind.csv beside it and docs/verify/fault-campaign.md.
 
 use super::drives::Drive;
 use super::faults::{During, Not, ROWS, Row};
@@ -225,7 +225,7 @@ pub(crate) fn cell(row: &Row, drive: Drive, lines: &[Line]) -> String {
         let numbers: Vec<_> = by.iter().map(u8::to_string).collect();
         parts.push(format!(
             "{}; {} ms",
-            numbers.join(", "),
+            numbers.join(" "),
             short(most(|line| line.worst_ms))
         ));
     }
@@ -254,6 +254,16 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
+/// The table of these lines: for each fault a cell for each kind of drive.
+pub(crate) fn by_kind(lines: &[Line]) -> String {
+    let mut table = format!("fault,{}\n", Drive::ALL.map(Drive::name).join(","));
+    for row in ROWS {
+        let cells = Drive::ALL.map(|drive| cell(row, drive, lines));
+        let _ = writeln!(table, "{},{}", row.name, cells.join(","));
+    }
+    table
+}
+
 /// The page of these lines.
 pub(crate) fn document(lines: &[Line]) -> String {
     let sum = |of: fn(&Line) -> u32| lines.iter().map(of).sum::<u32>();
@@ -266,19 +276,7 @@ pub(crate) fn document(lines: &[Line]) -> String {
         silent = sum(|line| line.silent),
         unnamed = sum(|line| line.unnamed),
     );
-    page += "|fault|";
-    for drive in Drive::ALL {
-        let _ = write!(page, "{}|", drive.name());
-    }
-    page += &format!("\n|{}\n", "---|".repeat(1 + Drive::ALL.len()));
-    for row in ROWS {
-        let _ = write!(page, "|`{}`|", row.name);
-        for drive in Drive::ALL {
-            let _ = write!(page, "{}|", cell(row, drive, lines));
-        }
-        page.push('\n');
-    }
-    page += "\nNot injected (not), because:\n\n";
+    page += "Not injected (not), because:\n\n";
     for not in Not::ALL {
         let _ = writeln!(page, "- {}: {}", not.letter(), not.reason());
     }

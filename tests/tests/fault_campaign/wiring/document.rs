@@ -1,4 +1,5 @@
-//! The page of the mistakes in the wiring: docs/use/wiring-mistakes.md.
+//! The page of the mistakes in the wiring, docs/use/wiring-mistakes.md, and its table,
+//! docs/verify/data/wiring_mistakes.csv.
 
 use super::trial::Found;
 use crate::kinds::drives::Drive;
@@ -10,8 +11,10 @@ pub(crate) const DOCUMENT: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../docs/use/wiring-mistakes.md"
 );
-/// The heading of the table.
-pub(crate) const HEADING: &str = "## What finds each mistake";
+pub(crate) const TABLE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../docs/verify/data/wiring_mistakes.csv"
+);
 
 /// Why a mistake is not seen, with its letter.
 const UNSEEN: [(char, &str); 5] = [
@@ -70,23 +73,39 @@ pub(super) fn cell(key: &str, found: &Found) -> String {
         } => {
             let (number, after) = (fault.number(), short(*after));
             let of_job = if *is_in_job { " of the job" } else { "" };
-            format!("{number} {}, {after} s{of_job}", fault_name(*fault))
+            format!("{number} {} after {after} s{of_job}", fault_name(*fault))
         }
-        Found::Verdict { worst } => format!("verdict, {} mm", short(1e3 * worst)),
-        Found::Refused(reason) => format!("ends: {reason}"),
+        Found::Verdict { worst } => format!("verdict: {} mm", short(1e3 * worst)),
+        Found::Refused(reason) => format!("ends: {}", reason.replace(',', ";")),
         Found::Drawn => format!("not seen: {}", unseen(key)),
     }
 }
 
-/// The page with these rows.
-pub(super) fn page(rows: impl Iterator<Item = (String, [String; 6])>) -> String {
-    let mut page = String::from(include_str!("head.txt"));
-    let columns = Drive::ALL.map(Drive::name).join(" | ");
-    let _ = writeln!(page, "\n{HEADING}\n\n| mistake | {columns} |");
-    let _ = writeln!(page, "|{}", "---|".repeat(1 + Drive::ALL.len()));
+/// The table with these rows. A mistake is in quotation marks, because it may have a comma.
+pub(super) fn table(rows: impl Iterator<Item = (String, [String; 6])>) -> String {
+    let mut table = format!("mistake,{}\n", Drive::ALL.map(Drive::name).join(","));
     for (name, cells) in rows {
-        let _ = writeln!(page, "| {name} | {} |", cells.join(" | "));
+        let _ = writeln!(table, "{},{}", quoted(&name), cells.join(","));
     }
+    table
+}
+
+/// A mistake as the table has it.
+pub(super) fn quoted(name: &str) -> String {
+    format!("\"{name}\"")
+}
+
+/// The cells of the row of this mistake.
+pub(super) fn cells<'a>(table: &'a str, name: &str) -> Vec<&'a str> {
+    let start = quoted(name) + ",";
+    let row = table.lines().find_map(|line| line.strip_prefix(&start));
+    let row = row.unwrap_or_else(|| panic!("no row {name}"));
+    row.split(',').collect()
+}
+
+/// The page.
+pub(super) fn page() -> String {
+    let mut page = String::from(include_str!("head.txt"));
     page += "\nNot seen in this run, because:\n\n";
     for (letter, reason) in BTreeMap::from(UNSEEN) {
         let _ = writeln!(page, "- {letter}: {reason}.");

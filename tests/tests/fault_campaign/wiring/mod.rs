@@ -1,12 +1,12 @@
-//! Every mistake that `[wiring]` of a scenario can make, on every kind of drive: what finds it, as the table of
-//! docs/use/wiring-mistakes.md has it. `cargo test` tries each key on one kind of drive, and reads all refusals; with
-//! FIVEBAR_UPDATE in the environment, `whole_table` writes the document.
+//! Every mistake that `[wiring]` of a scenario can make, on every kind of drive: what finds it, as
+//! docs/verify/data/wiring_mistakes.csv has it. `cargo test` tries each key on one kind of drive, and reads all refusals;
+//! with FIVEBAR_UPDATE in the environment, `whole_table` writes the table and docs/use/wiring-mistakes.md.
 
 mod document;
 mod trial;
 
 use crate::kinds::drives::Drive;
-use document::{DOCUMENT, HEADING};
+use document::{DOCUMENT, TABLE};
 use fivebar_plant::{Wiring, WiringKey};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -29,7 +29,7 @@ impl Mistake {
     }
 
     fn name(&self) -> String {
-        format!("`{} = {}`", self.key.name, self.value)
+        format!("{} = {}", self.key.name, self.value)
     }
 
     fn is_of(&self, drive: Drive) -> bool {
@@ -108,9 +108,14 @@ const CHEAPEST: [Drive; 6] = [
     Drive::HobbyServo,
 ];
 
+/// The table, as committed.
+fn committed() -> String {
+    std::fs::read_to_string(TABLE).expect("docs/verify/data/wiring_mistakes.csv")
+}
+
 #[test]
 fn each_mistake_is_found_as_the_document_has_it_on_one_kind_of_drive() {
-    let page = std::fs::read_to_string(DOCUMENT).expect("docs/use/wiring-mistakes.md");
+    let table = committed();
     let all = Mistake::all();
     let some: Vec<_> = all
         .iter()
@@ -122,39 +127,26 @@ fn each_mistake_is_found_as_the_document_has_it_on_one_kind_of_drive() {
         })
         .collect();
     for ((mistake, drive), cell) in some.iter().zip(cells(&some)) {
-        let row = format!("| {} |", mistake.name());
-        let row = page.lines().find(|line| line.starts_with(&row));
-        let row = row.unwrap_or_else(|| panic!("no row {}", mistake.name()));
         let column = Drive::ALL.iter().position(|it| it == drive);
-        let written = row.split(" | ").nth(1 + column.expect("a column"));
-        let written = written.map(|text| text.trim_end_matches(" |"));
-        assert_eq!(
-            written,
-            Some(&*cell),
-            "{} on {}",
-            mistake.name(),
-            drive.name()
-        );
+        let written = document::cells(&table, &mistake.name())[column.expect("a column")];
+        assert_eq!(written, cell, "{} on {}", mistake.name(), drive.name());
     }
 }
 
 #[test]
-fn the_document_has_a_row_for_each_key_of_the_reader_and_no_empty_cell() {
+fn the_table_has_a_row_for_each_key_of_the_reader_and_no_empty_cell() {
     let page = std::fs::read_to_string(DOCUMENT).expect("docs/use/wiring-mistakes.md");
-    let (_, table) = page.split_once(HEADING).expect("the table");
-    let rows: Vec<_> = table
-        .lines()
-        .filter(|line| line.starts_with("| `"))
-        .collect();
+    assert_eq!(page, document::page());
+    let table = committed();
     let all = Mistake::all();
-    assert_eq!(rows.len(), all.len());
-    for (row, mistake) in rows.iter().zip(&all) {
-        let cells: Vec<_> = row.trim_matches('|').split('|').map(str::trim).collect();
-        assert_eq!(cells[0], mistake.name());
-        assert_eq!(cells.len(), 1 + Drive::ALL.len(), "{row}");
-        for (cell, drive) in cells[1..].iter().zip(Drive::ALL) {
-            let is_tried = !["", "–"].contains(cell);
-            assert_eq!(is_tried, mistake.is_of(drive), "{row}");
+    assert_eq!(table.lines().count(), 1 + all.len());
+    for mistake in &all {
+        let name = mistake.name();
+        let cells = document::cells(&table, &name);
+        assert_eq!(cells.len(), Drive::ALL.len(), "{name}");
+        for (cell, drive) in cells.into_iter().zip(Drive::ALL) {
+            let is_tried = !["", "–"].contains(&cell);
+            assert_eq!(is_tried, mistake.is_of(drive), "{name}");
         }
     }
 }
@@ -190,12 +182,12 @@ fn whole_table_each_mistake_on_each_kind_of_drive_is_found_as_the_document_has_i
         });
         (mistake.name(), cells)
     });
-    let page = document::page(rows);
+    let table = document::table(rows);
     if std::env::var_os("FIVEBAR_UPDATE").is_some() {
-        std::fs::write(DOCUMENT, page).expect("it can be written");
+        std::fs::write(TABLE, table).expect("it can be written");
+        std::fs::write(DOCUMENT, document::page()).expect("it can be written");
         return;
     }
-    let written = std::fs::read_to_string(DOCUMENT).expect("docs/use/wiring-mistakes.md");
     let hint = "FIVEBAR_UPDATE=1 cargo test -p fivebar-tests --test fault_campaign -- --ignored whole_table writes it";
-    assert_eq!(written, page, "{hint}");
+    assert_eq!(committed(), table, "{hint}");
 }
