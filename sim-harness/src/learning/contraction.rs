@@ -92,9 +92,7 @@ impl Response {
                 Some(arms?.concat())
             })
             .collect();
-        points
-            .map(|points| Self(points.concat()))
-            .ok_or(LearningError::Unstable)
+        Self::of_all(points)
     }
 
     /// The same through a bus. The springs and dampers of the drives follow the shifted motion, too: S is the sensitivity of the
@@ -130,9 +128,12 @@ impl Response {
                 Some(arms?.concat())
             })
             .collect();
-        points
-            .map(|points| Self(points.concat()))
-            .ok_or(LearningError::Unstable)
+        Self::of_all(points)
+    }
+
+    fn of_all(points: Option<Vec<Vec<(f64, f64)>>>) -> Result<Self, LearningError> {
+        let points = points.ok_or(LearningError::Unstable)?;
+        Ok(Self(points.concat()))
     }
 
     /// The greatest factor by which an error shrinks, with a filter of this band [Hz].

@@ -1,8 +1,7 @@
 //! Identification of simulated arms whose drives are on a bus.
 
-use fivebar_design::identification::{base_parameters, standard_parameters};
+use crate::truth::base_with;
 use fivebar_files::robot::{BuiltIn, CanMotor, Draft, Motors, Robot};
-use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_plant::Mismatch;
 use fivebar_report::study::identification::{identify_robot, propose_for};
 use fivebar_sim::excitation::excite;
@@ -33,27 +32,6 @@ fn robots() -> [Robot; 3] {
     [leg.to_owned(), mit, draft.text()].map(|text| Robot::parse("arm.toml", &text).unwrap())
 }
 
-/// The base parameters of the arm with the mismatch.
-fn truth(robot: &Robot, mismatch: &Mismatch) -> Vec<f64> {
-    let drawn = robot.arm().unwrap();
-    let heavier = 1.0 + mismatch.link_mass;
-    let links = drawn.links().map(|link| Link {
-        mass: heavier * link.mass,
-        inertia: heavier * link.inertia,
-        ..link
-    });
-    let payload = drawn.payload() + mismatch.payload;
-    let arm = Arm::new(
-        robot.geometry,
-        links,
-        payload,
-        drawn.gravity(),
-        drawn.rotor_inertia(),
-    )
-    .unwrap();
-    base_parameters(robot.geometry.lengths(), &standard_parameters(&arm)).to_vec()
-}
-
 /// By how much of its 95 % interval each base parameter and each friction is off.
 fn off(robot: &Robot, which: usize, mismatch: &Mismatch) -> Vec<f64> {
     let proposed = propose_for(robot).unwrap();
@@ -63,7 +41,7 @@ fn off(robot: &Robot, which: usize, mismatch: &Mismatch) -> Vec<f64> {
     let stronger = 1.0 + mismatch.friction;
     let viscous = actuators.map(|actuator| stronger * actuator.viscous_friction);
     let coulomb = actuators.map(|actuator| stronger * actuator.coulomb_friction);
-    let truth = truth(robot, mismatch);
+    let truth = base_with(robot, mismatch);
     for index in [0, 2, 4] {
         let error = (found.base[index] / truth[index] - 1.0).abs();
         assert!(error < 0.007, "{}, {index}: {error}", robot.name);

@@ -16,3 +16,4 @@ mod random_logs;
 mod refused_points;
 mod simulated_arm;
 mod tip_error;
+mod truth;

@@ -1,11 +1,12 @@
 //! Identification on the simulated arm, whose equations are not those of the regressor.
 
 use crate::logs::setup;
+use crate::truth::base_with;
 use fivebar_design::identification::{
     Identification, Regressor, base_parameters, physical_links, standard_parameters,
 };
 use fivebar_files::robot::Robot;
-use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Joint, Side};
 use fivebar_plant::Mismatch;
 use fivebar_report::study::identification::{identify_robot, propose_for};
@@ -24,30 +25,6 @@ fn robot(upright: bool) -> Robot {
     Robot::parse("benchtop.toml", &text).unwrap()
 }
 
-/// The base parameters of the arm with the declared mismatch.
-fn truth(robot: &Robot) -> Vec<f64> {
-    let (drawn, mismatch) = (robot.arm().unwrap(), Mismatch::default());
-    let heavier = 1.0 + mismatch.link_mass;
-    let links = drawn.links().map(|link| Link {
-        mass: heavier * link.mass,
-        inertia: heavier * link.inertia,
-        ..link
-    });
-    let payload = drawn.payload() + mismatch.payload;
-    let arm = Arm::new(
-        robot.geometry,
-        links,
-        payload,
-        drawn.gravity(),
-        drawn.rotor_inertia(),
-    );
-    let base = base_parameters(
-        robot.geometry.lengths(),
-        &standard_parameters(&arm.unwrap()),
-    );
-    base.to_vec()
-}
-
 /// Root mean square of the torque that base parameters and friction do not predict along an
 /// excitation [N·m].
 fn misprediction(
@@ -58,7 +35,7 @@ fn misprediction(
 ) -> (f64, f64) {
     let setup = setup(upright, 1);
     let used = if upright { 11 } else { 7 };
-    let (truth, mut wrong, mut whole) = (truth(robot), 0.0, 0.0);
+    let (truth, mut wrong, mut whole) = (base_with(robot, &Mismatch::default()), 0.0, 0.0);
     for step in 0..1000 {
         let motion = setup.excitation.at(1.25e-3 * f64::from(step));
         let at = Regressor::at(&robot.geometry, Side::Left, robot.gravity, motion).unwrap();
@@ -76,7 +53,7 @@ fn misprediction(
 }
 
 fn judged(robot: &Robot, upright: bool, found: &Identification) {
-    let truth = truth(robot);
+    let truth = base_with(robot, &Mismatch::default());
     for (index, (own, wanted)) in found.base.iter().zip(&truth).enumerate() {
         println!(
             "{index}: {own:.5e} {wanted:.5e} sd {:.1e}",
@@ -117,7 +94,8 @@ fn physical_links_have_the_torques_of_their_base_parameters() {
     for upright in [false, true] {
         let robot = robot(upright);
         let used = if upright { 11 } else { 7 };
-        let truth = &truth(&robot)[..used];
+        let truth = base_with(&robot, &Mismatch::default());
+        let truth = &truth[..used];
         let drawn = robot.arm().unwrap();
         let found = physical_links(drawn, truth).unwrap();
         assert!(found.difference < 1e-5, "{}", found.difference);

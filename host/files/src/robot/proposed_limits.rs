@@ -47,6 +47,20 @@ struct Poses {
     places: Vec<Place>,
 }
 
+/// The cells of a box that motions from the middle have tried, and how many of them an arm can take.
+#[derive(Clone)]
+struct Reached {
+    is_seen: Vec<bool>,
+    count: usize,
+}
+
+/// Joint, end and direction of a side of the box that can still grow.
+type Growth = (usize, usize, i32);
+
+fn within(cell: i32, [least, greatest]: [i32; 2]) -> bool {
+    least <= cell && cell <= greatest
+}
+
 impl Poses {
     fn new(robot: &Robot) -> Option<Self> {
         let pose = robot.home_pose().ok()?;
@@ -91,20 +105,26 @@ impl Poses {
         ((one - least1) * (greatest4 - least4 + 1) + (four - least4)) as usize
     }
 
-    /// The cells of a box to which motions lead from the middle; none if one of them is behind the base.
-    fn reached(&self, [[least1, greatest1], [least4, greatest4]]: [[i32; 2]; 2]) -> Option<usize> {
-        let mut seen = vec![false; self.places.len()];
-        let (mut waiting, mut count) = (vec![[0, 0]], 0);
-        while let Some([one, four]) = waiting.pop() {
-            let is_in = (least1..=greatest1).contains(&one) && (least4..=greatest4).contains(&four);
-            if !is_in || std::mem::replace(&mut seen[self.index([one, four])], true) {
+    /// What motions reach within a box if they have reached these cells and go on to those that wait; none if one of them is
+    /// behind the base.
+    fn reached(
+        &self,
+        ends: [[i32; 2]; 2],
+        from: &Reached,
+        mut waiting: Vec<[i32; 2]>,
+    ) -> Option<Reached> {
+        let mut reached = from.clone();
+        while let Some(cell) = waiting.pop() {
+            let is_in = within(cell[0], ends[0]) && within(cell[1], ends[1]);
+            if !is_in || std::mem::replace(&mut reached.is_seen[self.index(cell)], true) {
                 continue;
             }
-            match self.places[self.index([one, four])] {
+            match self.places[self.index(cell)] {
                 Place::Nowhere => continue,
                 Place::Behind => return None,
-                Place::Front => count += 1,
+                Place::Front => reached.count += 1,
             }
+            let [one, four] = cell;
             waiting.extend([
                 [one - 1, four],
                 [one + 1, four],
@@ -112,32 +132,58 @@ impl Poses {
                 [one, four + 1],
             ]);
         }
-        Some(count)
+        Some(reached)
+    }
+
+    /// The cells just outside a box, beyond one end of a joint, which have a reached one beside them.
+    fn beside(
+        &self,
+        ends: [[i32; 2]; 2],
+        reached: &Reached,
+        (joint, end, step): Growth,
+    ) -> Vec<[i32; 2]> {
+        let other = 1 - joint;
+        let cells = (ends[other][0]..=ends[other][1]).map(|along| {
+            let mut cell = [along; 2];
+            cell[joint] = ends[joint][end];
+            cell
+        });
+        let cells = cells.filter(|cell| {
+            let index = self.index(*cell);
+            reached.is_seen[index] && self.places[index] == Place::Front
+        });
+        let outwards = cells.map(|mut cell| {
+            cell[joint] += step;
+            cell
+        });
+        outwards.collect()
     }
 
     /// The ends of the greatest box about the middle whose sides have grown in turn, so that no joint takes the room of the
     /// other one. A side stops where motions would lead behind the base, or nowhere new.
     fn ends(&self) -> Option<[[i32; 2]; 2]> {
         let mut ends = [[0, 0]; 2];
-        let within = |cell: i32, [least, greatest]: [i32; 2]| (least..=greatest).contains(&cell);
         if !self.most.iter().all(|most| within(0, *most)) {
             return None;
         }
-        let mut cells = self.reached(ends)?;
-        // Joint, end and direction of each side that can still grow.
-        let mut sides = vec![(0, 0, -1), (0, 1, 1), (1, 0, -1), (1, 1, 1)];
+        let none = Reached {
+            is_seen: vec![false; self.places.len()],
+            count: 0,
+        };
+        let mut reached = self.reached(ends, &none, vec![[0, 0]])?;
+        let mut sides: Vec<Growth> = vec![(0, 0, -1), (0, 1, 1), (1, 0, -1), (1, 1, 1)];
         while !sides.is_empty() {
-            sides.retain(|&(joint, end, step)| {
+            sides.retain(|&side| {
+                let (joint, end, step) = side;
                 let mut wider = ends;
                 wider[joint][end] += step;
                 let more = within(wider[joint][end], self.most[joint])
-                    .then(|| self.reached(wider))
+                    .then(|| self.reached(wider, &reached, self.beside(ends, &reached, side)))
                     .flatten()
-                    .filter(|more| *more > cells);
-                if let Some(more) = more {
-                    (ends, cells) = (wider, more);
-                }
-                more.is_some()
+                    .filter(|more| more.count > reached.count);
+                let Some(more) = more else { return false };
+                (ends, reached) = (wider, more);
+                true
             });
         }
         Some(ends)

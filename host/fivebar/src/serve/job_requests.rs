@@ -8,7 +8,6 @@ use super::preview::{JobStart, nearest};
 use super::requests::{JOINT_SPEED, Refused};
 use super::wire::lease::Page;
 use super::wire::lease::PageId;
-use super::wire::message::Shift;
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_sim::path_queue::way_back;
 use std::sync::Arc;
@@ -30,7 +29,10 @@ impl ControllerThread {
     }
 
     /// Places the loaded drawing elsewhere and checks it there.
-    pub(super) fn place_job(&mut self, shift: Shift) -> Result<(), Refused> {
+    pub(super) fn place_job(
+        &mut self,
+        anew: impl FnOnce(Arc<ParsedJob>) -> Work,
+    ) -> Result<(), Refused> {
         if !self.rests() {
             return Err("The arm is moving: stop it or wait until it rests.".into());
         }
@@ -41,7 +43,7 @@ impl ControllerThread {
         let job = Arc::clone(&loaded.job);
         self.feeder.forget();
         let start = self.preview.start(&self.session.status);
-        self.jobs.order(Work::Place(job, shift), start);
+        self.jobs.order(anew(job), start);
         Ok(())
     }
 

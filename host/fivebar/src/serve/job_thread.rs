@@ -1,13 +1,13 @@
 //! The thread that reads and checks jobs, so that the controller's thread waits for none.
 
 use super::parsed_job::ParsedJob;
-use super::preview::{JobStart, Preview};
+use super::preview::{Branch, JobStart, Preview};
 use super::wire::lease::PageId;
 use super::wire::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
 use super::wire::numbered::NumberedRequest;
 use fivebar_files::job::{Job, JobReader, Placement};
 use fivebar_files::robot::Robot;
-use fivebar_files::scenario::Scenario;
+use fivebar_files::scenario::{Kept, Scenario};
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -38,6 +38,8 @@ pub(super) enum Work {
     Load(PageId, JobSource),
     /// Place a job elsewhere and check it.
     Place(Arc<ParsedJob>, Shift),
+    /// Place a job where the arm can draw it largest, and check it.
+    Fit(Arc<ParsedJob>),
     /// Check a job again, because the arm has moved.
     Check(Arc<ParsedJob>),
     /// Plan the rest of a time-optimal job from this place [m] on one of its parts on.
@@ -233,20 +235,24 @@ impl Workshop {
     fn prepare(&self, work: Work, start: JobStart) -> (Prepared, Option<Untimed>) {
         let again = matches!(work, Work::Check(_));
         let mut refusal = None;
-        let mut parsed = |old: &Arc<ParsedJob>, job: Job| match self.parsed(&old.name, job, start) {
-            Ok(job) => Arc::new(job),
-            Err(why) => {
-                refusal = Some(brief(why));
-                Arc::clone(old)
+        let mut parsed = |old: &Arc<ParsedJob>, job: Result<Job, String>| {
+            let parsed = |job| self.parsed(&old.name, Arc::clone(&old.text), job, start);
+            match job.and_then(parsed) {
+                Ok(job) => Arc::new(job),
+                Err(why) => {
+                    refusal = Some(brief(why));
+                    Arc::clone(old)
+                }
             }
         };
         let job = match work {
             // The moves of a change of the working mode depend on where the arm is.
             Work::Check(job) if job.job.first_change_of_mode().is_some() => {
-                parsed(&job, (*job.job).clone())
+                parsed(&job, Ok((*job.job).clone()))
             }
             Work::Check(job) => job,
-            Work::Place(job, shift) => parsed(&job, job.job.moved(&shift.placement())),
+            Work::Place(job, shift) => parsed(&job, Ok(job.job.moved(&shift.placement()))),
+            Work::Fit(job) => parsed(&job, self.fitted(&job)),
             Work::Rest(job, part, place) => {
                 let from = start.at(place);
                 let rest = job.rest(part, place);
@@ -268,12 +274,14 @@ impl Workshop {
                 Err(unreadable) => return (unreadable, None),
             },
         };
-        let mut message = self.preview.job(&job.name, &job.job, &job.moves, start);
+        let from = self.or_home(start);
+        let mut message = self.preview.job(&job.name, &job.job, &job.moves, from);
+        message.is_from_home = !start.is_known() && from.is_known();
         message.refusal = message.refusal.or(refusal);
         message.layers = job.layers();
         let job = match &self.planner {
             Some(planner) if message.refusal.is_none() => {
-                match job.planned(planner, &self.preview, start) {
+                match job.planned(planner, &self.preview, from) {
                     Ok(planned) => Arc::new(planned),
                     Err(why) => {
                         message.refusal = Some(brief(why));
@@ -301,12 +309,40 @@ impl Workshop {
         start: JobStart,
         goes_on: &dyn Fn() -> bool,
     ) -> Option<Prepared> {
-        let job = job.timed(&self.preview, start, goes_on)?;
+        let job = job.timed(&self.preview, self.or_home(start), goes_on)?;
         message.time = job.time();
         Some(Prepared::Times {
             job: Arc::new(job),
             message: ServerMessage::Job(&message).json(),
         })
+    }
+
+    /// Where a job begins: an arm whose position is unknown is at home once it is homed.
+    fn or_home(&self, start: JobStart) -> JobStart {
+        let home = || {
+            let assembly = self.robot.home_pose().ok()?.assembly();
+            let mode = self.robot.working_mode();
+            let elbows = [mode.elbow1, mode.elbow4];
+            // `as` rounds.
+            let angles = self.robot.home.map(|angle| angle as f32);
+            let tool = self.preview.tool_at(angles, assembly)?;
+            Some(JobStart::on(Branch { elbows, assembly }).at(tool))
+        };
+        match start.is_known() {
+            true => start,
+            false => home().unwrap_or(start),
+        }
+    }
+
+    /// The drawing of a job's file at the greatest scale for this arm, turned and placed for it.
+    fn fitted(&self, job: &ParsedJob) -> Result<Job, String> {
+        let mut scenario = self.scenario(&job.name, job.text.to_string());
+        let kept = Kept {
+            scale: false,
+            turn: false,
+        };
+        scenario.fit_to_reach(kept).map_err(sentence)?;
+        scenario.job().map_err(sentence)
     }
 
     fn scenario(&self, name: &str, text: String) -> Scenario {
@@ -334,10 +370,10 @@ impl Workshop {
                 Err(error) => return Err(Prepared::NoJob(page, brief(error.to_string()))),
             },
         };
-        let name = brief(name);
-        match self.scenario(&name, text).job() {
+        let (name, text) = (brief(name), Arc::<str>::from(text));
+        match self.scenario(&name, text.to_string()).job() {
             Ok(job) => {
-                let parsed = self.parsed(&name, job, start);
+                let parsed = self.parsed(&name, text, job, start);
                 parsed.map_err(|why| unreadable(name, why))
             }
             Err(error) => Err(unreadable(name, error.to_string())),
@@ -345,20 +381,31 @@ impl Workshop {
     }
 
     /// The moves of a job that was read, for the arm where it is; why it has none.
-    fn parsed(&self, name: &str, job: Job, start: JobStart) -> Result<ParsedJob, String> {
+    fn parsed(
+        &self,
+        name: &str,
+        text: Arc<str>,
+        job: Job,
+        start: JobStart,
+    ) -> Result<ParsedJob, String> {
         let scenario = self.scenario(name, String::new());
         let mode = start.branch.map(|branch| branch.mode());
         let mode = mode.unwrap_or_else(|| self.robot.working_mode());
         let assembly = start.branch.map(|branch| branch.assembly);
         match scenario.moves_in(mode, assembly, &job) {
-            Ok(moves) => Ok(ParsedJob::new(name.into(), job, moves)),
-            Err(refused) => {
-                let mut sentence = format!("{refused}.");
-                sentence[..1].make_ascii_uppercase();
-                Err(sentence)
-            }
+            Ok(moves) => Ok(ParsedJob::new(name.into(), text, job, moves)),
+            Err(refused) => Err(sentence(refused)),
         }
     }
+}
+
+/// What an error says, as a sentence.
+fn sentence(error: impl std::fmt::Display) -> String {
+    let mut sentence = format!("{error}.");
+    if let Some(first) = sentence.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    sentence
 }
 
 fn unreadable(name: String, why: String) -> Prepared {

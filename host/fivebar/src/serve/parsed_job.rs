@@ -16,6 +16,8 @@ const MOST_LAYERS: usize = 100;
 #[derive(Clone)]
 pub(super) struct ParsedJob {
     pub(super) name: String,
+    /// The text of its file.
+    pub(super) text: Arc<str>,
     pub(super) job: Arc<Job>,
     pub(super) moves: Arc<[Move]>,
     /// The moves in parts short enough for a new share of the feed rate to take effect soon.
@@ -35,7 +37,7 @@ pub(super) struct ParsedJob {
 }
 
 impl ParsedJob {
-    pub(super) fn new(name: String, job: Job, moves: Vec<Move>) -> Self {
+    pub(super) fn new(name: String, text: Arc<str>, job: Job, moves: Vec<Move>) -> Self {
         let (parts, pauses) = job.with_pauses(&divided(None, &moves));
         let moves: Arc<[Move]> = moves.into();
         let parts = if parts.len() == moves.len() {
@@ -45,6 +47,7 @@ impl ParsedJob {
         };
         Self {
             name,
+            text,
             job: Arc::new(job),
             pauses: pauses.into(),
             moves,
@@ -153,6 +156,7 @@ impl ParsedJob {
         let parts: Arc<[Move]> = parts.into();
         Self {
             name: self.name.clone(),
+            text: Arc::clone(&self.text),
             job: Arc::clone(&self.job),
             moves: Arc::clone(&self.moves),
             pieces: Arc::clone(&parts),

@@ -2,7 +2,7 @@
 
 use super::controller_thread::ControllerThread;
 use super::held_motion::HeldBy;
-use super::job_thread::JobSource;
+use super::job_thread::{JobSource, Work};
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
 use super::wire::channels::{Event, EventKind};
@@ -68,6 +68,7 @@ impl ClientRequest {
             | Self::Control
             | Self::Load { .. }
             | Self::Place(_)
+            | Self::Fit
             | Self::RunOn(_)
             | Self::Feed(_) => false,
             Self::Request(_)
@@ -226,7 +227,8 @@ impl ControllerThread {
             }
             _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
             ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
-            ClientRequest::Place(shift) => self.place_job(shift),
+            ClientRequest::Place(shift) => self.place_job(|job| Work::Place(job, shift)),
+            ClientRequest::Fit => self.place_job(Work::Fit),
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
             ClientRequest::Resume => self.resume_job(page),

@@ -144,7 +144,7 @@ function nameOf(control) {
   if (request) return request;
   if (jog || turn) return "jog";
   if (pen) return "pen";
-  return place || control.id === "grab" ? "place" : control.id;
+  return place || control.id === "grab" || control.id === "fit" ? "place" : control.id;
 }
 
 // The controls that move the arm, or power its motors.
@@ -322,6 +322,10 @@ const ACTIONS = {
   send: () => terminal.send(),
   play: () => replay.play(),
   live: () => replay.end(),
+  fit: () => {
+    send("fit");
+    showNotice("The greatest scale is searched for …");
+  },
   grab: () => setGrab(!drawing.grabs),
   demonstration: async () => {
     const answer = await fetch("demonstration.gcode");

@@ -98,7 +98,7 @@ export function nextStep(state, job, fault, watching) {
       if (held) return [`${held.trim()} Resume it with the marked button, or run it from the start.`, null, "Show it", "resume"];
       if (!job) return ["The motors hold the arm. Open a job, or drag the tool.", "demonstration", "Load demonstration"];
       if (job.refusal && !job.moves) return [`${job.name} cannot be read: the reason is at Job. Open another file.`, "demonstration", "Load demonstration"];
-      if (job.refusal) return [`${job.name} does not fit as it lies: move it, make it smaller or turn it.`, "grab", "Move drawing"];
+      if (job.refusal) return [`${job.name} does not fit as it lies: fit it, or move, scale or turn it.`, "fit", "Fit drawing"];
       return [`Ready: ${job.name}. Run it.`, "run", "Run job"];
   }
 }
@@ -170,7 +170,8 @@ export function showJob(job, box) {
   const notes = job.notes.map((note) => `\nNote: ${note}.`).join("");
   put("job", (job.refusal
     ? `${job.name} is refused. ${job.refusal}`
-    : `${job.name}: ${job.moves} moves, all within the arm's limits.`) + notes);
+    : `${job.name}: ${job.moves} moves, all within the arm's limits.`)
+    + (job.is_from_home ? " Checked from home: it is checked again once the arm is homed." : "") + notes);
   at("job").classList.toggle("refused", job.refusal !== null);
   put("size", extent(job, box));
   at("layers").hidden = job.layers.length === 0;

@@ -70,6 +70,8 @@ pub(in crate::serve) enum ClientRequest {
     },
     /// Place the loaded drawing elsewhere.
     Place(Shift),
+    /// Place the drawing of the loaded file where the arm can draw it largest, turned as it fits best.
+    Fit,
     /// Run the loaded job.
     Run,
     /// Run it from this line on.
@@ -257,6 +259,8 @@ pub(in crate::serve) struct JobMessage {
     pub(in crate::serve) strokes: Vec<Stroke>,
     /// What of it is skipped, and how it is read where that is not certain.
     pub(in crate::serve) notes: Vec<String>,
+    /// Whether it was checked from home, because the arm's position is unknown until it is homed.
+    pub(in crate::serve) is_from_home: bool,
     /// Why it cannot be done.
     pub(in crate::serve) refusal: Option<String>,
     /// The position at which it is refused [m].
@@ -313,7 +317,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 18];
+        let mut seen = [false; 19];
         for example in examples.lines() {
             let read: NumberedRequest = serde_json::from_str(example).expect(example);
             let kind = match read.request {
@@ -335,10 +339,11 @@ mod tests {
                 ClientRequest::Console(_) => 16,
                 ClientRequest::Hold(_) | ClientRequest::HoldJoint { .. } => 15,
                 ClientRequest::Renew(_) => 17,
+                ClientRequest::Fit => 18,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 18]);
+        assert_eq!(seen, [true; 19]);
     }
 
     #[test]
