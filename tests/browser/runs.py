@@ -1,5 +1,6 @@
 """Looks at a run: its layers, its strokes by error and speed, and its replay."""
 
+import re
 import time
 
 import reach
@@ -7,6 +8,7 @@ from live import PAUSE
 from looks import COLOURED
 
 TWO_PENS = "G21 G90 F3000\nM0 (red pen)\nM3\nG1 X20 Y0\nG1 X20 Y20\nM5\nG0 X0 Y0\nM0 (blue pen)\nM3\nG1 X-20 Y0\n"
+SHEET = "G21 G90 F3000\nM3\nG1 X210\nG1 Y297\nG1 X0\nG1 Y0\nM5\n"
 ONE_STROKE = "G21 G90 F3000\nM3\nG1 X20 Y0\nG1 X20 Y20\nG1 X0 Y20\nG1 X0 Y0\n"
 
 
@@ -24,6 +26,38 @@ def drawn(browser, name):
     return browser.script(COLOURED + f"return coloured(document.getElementById('arm'), '{name}');")
 
 
+def a_sheet_is_fitted_by_one_click(page):
+    browser = page.browser
+    page.load_job(SHEET, "is refused")
+    browser.click("#fit")
+    browser.wait("the fitted sheet", lambda: "within the arm's limits" in browser.text("#job"))
+    width, height = map(float, re.findall(r"[\d.]+", browser.text("#size"))[:2])
+    assert max(width, height) > 100, browser.text("#size")
+
+
+# What the page says under each pixel of a grid over the drawing, once for each text.
+UNDER = """
+    const arm = document.getElementById('arm'), under = document.getElementById('under');
+    const { left, top, width, height } = arm.getBoundingClientRect();
+    const said = new Set();
+    for (let x = 0; x < width; x += 5) for (let y = 0; y < height; y += 5) {
+        arm.dispatchEvent(new PointerEvent('pointermove', { clientX: left + x, clientY: top + y, pointerType: 'mouse' }));
+        said.add(under.hidden ? '' : under.textContent);
+    }
+    return [...said];"""
+
+
+def the_pointer_shows_error_speed_line_and_time(browser):
+    said = browser.script(UNDER)
+    assert "" in said, "nothing far from the strokes"
+    said.remove("")
+    seen = [re.fullmatch(r"(\d+) µm off · (\d+) mm/s · line (\d+) · after ([\d.]+) s", text) for text in said]
+    assert len(seen) > 10 and all(seen), said
+    lines = {int(one[3]) for one in seen}
+    assert {3, 4, 5, 6} <= lines <= {2, 3, 4, 5, 6, 7}, lines
+    assert all(int(one[1]) < 50 and int(one[2]) < 60 for one in seen), said
+
+
 def strokes_have_the_colour_of_their_error_or_speed(page):
     """A simulated arm draws these lines at 50 mm/s with errors of some micrometres."""
     browser = page.browser
@@ -38,6 +72,7 @@ def strokes_have_the_colour_of_their_error_or_speed(page):
     browser.click('[data-colouring="error"]')
     assert drawn(browser, "--step0") + drawn(browser, "--step1") > 200 and drawn(browser, "--step7") == 0, "small errors"
     assert "µm" in browser.text("#scale")
+    the_pointer_shows_error_speed_line_and_time(browser)
     browser.click('[data-colouring="speed"]')
     fast = drawn(browser, "--step4") + drawn(browser, "--step5")
     assert fast > 100 and drawn(browser, "--step7") == 0, f"{fast} pixels of 20 to 100 mm/s"
@@ -47,6 +82,7 @@ def strokes_have_the_colour_of_their_error_or_speed(page):
         reach.has_no_serious_violation(browser, f"strokes by speed, dark: {dark}")
     browser.click('[data-colouring="pen"]')
     assert not browser.script("return document.getElementById('scale').checkVisibility();")
+    assert browser.script(UNDER) == [""], "nothing under the pointer with one colour"
 
 
 def the_last_run_is_shown_again_until_the_arm_moves(page):
@@ -71,5 +107,6 @@ def the_last_run_is_shown_again_until_the_arm_moves(page):
 def check(page):
     page.home_and_arm_if_needed()
     the_layers_are_listed(page)
+    a_sheet_is_fitted_by_one_click(page)
     strokes_have_the_colour_of_their_error_or_speed(page)
     the_last_run_is_shown_again_until_the_arm_moves(page)

@@ -8,6 +8,7 @@ import { Drives } from "./drives.js";
 import { alarm, connection } from "./emergency.js";
 import { listenToFiles } from "./files.js";
 import { Hold } from "./hold.js";
+import { Inspect } from "./inspect.js";
 import { listen } from "./keys.js";
 import { WorkspaceMap } from "./map.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
@@ -41,6 +42,7 @@ const plots = {
 const drives = new Drives(arm.drives);
 const recording = new Recording();
 const replay = new Replay(recording, drawing, redraw);
+new Inspect(at("arm"), drawing, recording, at("under"));
 let me = null; // this page's number
 let elbows = null; // the sides of the arm's elbows
 let chosen = null; // the branch whose map is shown

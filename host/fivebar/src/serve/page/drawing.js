@@ -148,6 +148,10 @@ export class Drawing {
     return [scale, width / 2 + x - (scale * (x0 + x1)) / 2, height / 2 + y + (scale * (y0 + y1)) / 2];
   }
 
+  get pixelsPerMetre() {
+    return this.#scale()[0];
+  }
+
   // The pixel of a position [m], counted from the canvas's corner.
   pixel([x, y]) {
     const [scale, left, top] = this.#scale();

@@ -54,6 +54,16 @@ export class Points {
     if (before !== null) context.stroke();
   }
 
+  // The number of the point that is nearest to a place [m]; null if none is within `radius` [m].
+  nearest([x, y], radius) {
+    let [found, least] = [null, radius * radius];
+    for (let i = 0; i < this.length; i += 1) {
+      const square = (this.#x[i] - x) ** 2 + (this.#y[i] - y) ** 2;
+      if (square <= least) [found, least] = [i, square];
+    }
+    return found;
+  }
+
   // Drops all points but the last `count`.
   keep(count) {
     const start = this.length - count;

@@ -16,6 +16,7 @@ export const LABELS = ["0", ...BOUNDS.map(String)];
 export class Recording {
   #states = [];
   #points = new Points();
+  #values = []; // error [m] and speed [m/s] of each point
   #isDown = false;
   #ran = false;
   #wasHeld = false;
@@ -30,6 +31,7 @@ export class Recording {
     if (runs && !this.#ran && !this.#wasHeld) {
       this.#states = [];
       this.#points = new Points();
+      this.#values = [];
       this.#isDown = false;
     }
     this.#ran = runs;
@@ -37,11 +39,34 @@ export class Recording {
     if (!runs || !state.joints || !state.tool) return;
     if (this.#states.length >= STATES || this.#points.length >= SAMPLES) return;
     for (const [x, y, level, error, speed] of state.trail) {
-      if (level > 0) this.#points.add([x, y], this.#isDown ? kindOf(error, speed) : -1);
+      if (level > 0) {
+        this.#points.add([x, y], this.#isDown ? kindOf(error, speed) : -1);
+        this.#values.push([error, speed]);
+      }
       this.#isDown = level > 0;
     }
-    const { time, joints, tool, reference } = state;
-    this.#states.push({ time, joints, tool, reference, count: this.#points.length });
+    const { time, joints, tool, reference, tag } = state;
+    this.#states.push({ time, joints, tool, reference, tag, count: this.#points.length });
+  }
+
+  // What was seen at the drawn point that is nearest to a place [m]; null if none is within `radius` [m].
+  nearest(place, radius) {
+    const index = this.#points.nearest(place, radius);
+    if (index === null) return null;
+    const state = this.#states[this.#firstState((it) => it.count > index)];
+    const [error, speed] = this.#values[index];
+    return { error, speed, line: state.tag, since: state.time - this.#states[0].time };
+  }
+
+  // The number of the first state of which this holds, as it does of all that follow; or of the last state.
+  #firstState(holds) {
+    let [low, high] = [0, this.length - 1];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (holds(this.#states[middle])) high = middle;
+      else low = middle + 1;
+    }
+    return low;
   }
 
   // The arm at a number of states from the beginning, what it has drawn by then, and the time since the beginning.
@@ -53,12 +78,7 @@ export class Recording {
   // The number of the last state not after a time since the beginning [s].
   indexAt(since) {
     const wanted = this.#states[0].time + since;
-    let [low, high] = [0, this.length - 1];
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (this.#states[middle].time <= wanted) low = middle;
-      else high = middle - 1;
-    }
-    return low;
+    const later = this.#firstState((state) => state.time > wanted);
+    return this.#states[later].time > wanted ? Math.max(0, later - 1) : later;
   }
 }
