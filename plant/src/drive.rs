@@ -1,6 +1,6 @@
 //! One drive that is not ideal: motor, spring and friction at one state.
 //!
-//! τm = n k(θm) i + τc(θm) + τx   motor with its ripple and cogging, and what else turns its rotor
+//! τm = n k(θm) i + τc(θm) + k(θm)/k τx   motor with its ripple and cogging, and the torque of one that is no brushed motor
 //! τ = k x + d ẋ             through the spring, x = θm − θ; rigid: τ = τm
 //! n² J θ̈m = τm − τ
 //! τ + τf(θ̇, z)              turns the joint, with the friction
@@ -9,7 +9,7 @@ use crate::friction::{Presliding, Sliding};
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::parameters::Parameters;
-use crate::ripple::Ripple;
+use crate::ripple::{Ripple, RipplePeriods};
 use crate::transmission::Spring;
 use fivebar_kinematics::five_bar::Joint;
 
@@ -47,6 +47,8 @@ pub(crate) struct DriveAction {
     pub(crate) torque: f64,
     /// n k at the rotor's angle [N·m/A].
     pub(crate) constant: f64,
+    /// What a motor that is no brushed one gives its rotor [W].
+    pub(crate) motor_power: f64,
     /// The rotor's speed over the gear ratio [rad/s].
     pub(crate) speed: f64,
     /// The rates of the drive's state.
@@ -56,19 +58,19 @@ pub(crate) struct DriveAction {
 }
 
 impl Drive {
-    /// A drive, with its motor and the inertia of its link about the pivot [kg·m²].
+    /// A drive, with its motor, the periods of its ripple, and the inertia of its link about the pivot [kg·m²].
     pub(crate) fn new(
         parameters: &Parameters,
         mismatch: &Mismatch,
         joint: Joint,
-        motor: &Motor,
+        (motor, periods): (&Motor, RipplePeriods),
         link: f64,
     ) -> Self {
         let (ripple, cogging) = (mismatch.torque_ripple[joint], mismatch.cogging[joint]);
         Self {
             spring: mismatch.spring(parameters, joint),
             friction: Presliding::new(motor, mismatch.stiction[joint], link),
-            ripple: Ripple::new(motor, ripple, cogging),
+            ripple: Ripple::new(motor, ripple, cogging, periods),
             rotor: motor.reflected_inertia(),
             link,
         }
@@ -79,7 +81,8 @@ impl Drive {
         self.spring.is_none() && self.friction.is_none() && self.ripple.is_none()
     }
 
-    /// What it does with the joint at θ and θ̇, the current i [A] and a torque τx on the rotor [N·m].
+    /// What it does with the joint at θ and θ̇, the current i [A] and a motor's torque τx without its
+    /// ripple [N·m].
     #[inline]
     pub(crate) fn action(
         &self,
@@ -95,7 +98,7 @@ impl Drive {
         };
         let (share, cogging) = self.ripple.map_or((1.0, 0.0), |ripple| ripple.at(angle));
         let constant = motor.gear_ratio * motor.torque_constant * share;
-        let driving = constant * current + cogging + extra;
+        let driving = constant * current + cogging + share * extra;
         let Sliding { rate, torque, loss } = match &self.friction {
             Some(friction) => friction.at(omega, state.bristles),
             None => {
@@ -110,6 +113,7 @@ impl Drive {
         let mut action = DriveAction {
             torque: driving + torque,
             constant,
+            motor_power: share * extra * speed,
             speed,
             rates: DriveState {
                 bristles: rate,

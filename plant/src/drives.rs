@@ -10,6 +10,7 @@ use crate::drive::{Drive, DriveAction, DriveState};
 use crate::dynamics::{DRIVEN, Loads, Model, Rates, SHORTEST_STEP, State};
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
+use crate::ripple::RipplePeriods;
 use crate::supply::Supply;
 use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
@@ -30,9 +31,11 @@ pub struct Drives {
     supply: Option<Supply>,
     state: [DriveState; 2],
     energy: Energy,
+    /// The work of those motors on their rotors [J].
+    motor_work: f64,
     /// The duties of the latest tick.
     duty: [Option<f64>; 2],
-    /// Torques on the rotors besides those of their currents, at the joint [N·m]. Their work is not in the energy.
+    /// Torques of motors that are no brushed ones, at the joint [N·m], without their ripple.
     pub(crate) motor_torque: [f64; 2],
     /// The longest integration step while the joints are at rest [s].
     longest_at_rest: f64,
@@ -50,6 +53,7 @@ struct Whole {
     arm: State,
     drives: [DriveState; 2],
     energy: Energy,
+    motor_work: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -57,6 +61,7 @@ struct WholeRates {
     arm: Rates,
     drives: [DriveState; 2],
     energy: Energy,
+    motor_power: f64,
 }
 
 impl Whole {
@@ -77,21 +82,30 @@ impl Whole {
                 supplied: self.energy.supplied + rates.energy.supplied * time,
                 lost: self.energy.lost + rates.energy.lost * time,
             },
+            motor_work: self.motor_work + rates.motor_power * time,
         }
     }
 }
 
 impl Drives {
-    /// The drives of an arm with this mismatch, at rest in `state`.
+    /// The drives of an arm with this mismatch, at rest in `state`; `periods` are those of its motors'
+    /// ripple.
     pub(crate) fn new(
         parameters: &Parameters,
         mismatch: &Mismatch,
-        model: &Model,
-        state: &State,
+        periods: RipplePeriods,
+        (model, state): (&Model, &State),
     ) -> Self {
         let links = model.about_pivots();
-        let drives =
-            Joint::ALL.map(|j| Drive::new(parameters, mismatch, j, &model.motors[j], links[j]));
+        let drives = Joint::ALL.map(|j| {
+            Drive::new(
+                parameters,
+                mismatch,
+                j,
+                (&model.motors[j], periods),
+                links[j],
+            )
+        });
         let resistance = mismatch.supply_resistance;
         let supply = (resistance > 0.0).then_some(Supply { resistance });
         let steps =
@@ -106,6 +120,7 @@ impl Drives {
                 bristles: 0.0,
             }),
             energy: Energy::default(),
+            motor_work: 0.0,
             duty: [None; 2],
             motor_torque: [0.0; 2],
         }
@@ -149,6 +164,7 @@ impl Drives {
             arm: *state,
             drives: self.state,
             energy: self.energy,
+            motor_work: self.motor_work,
         };
         let steps = (time / self.longest_step(state)).ceil().max(1.0);
         for _ in 0..steps as usize {
@@ -157,6 +173,7 @@ impl Drives {
         *state = whole.arm;
         self.state = whole.drives;
         self.energy = whole.energy;
+        self.motor_work = whole.motor_work;
     }
 
     fn runge_kutta(&self, model: &Model, whole: &mut Whole, inputs: &Inputs<'_>, time: f64) {
@@ -180,7 +197,7 @@ impl Drives {
         let mut torque = loads.joint_torque;
         let mut current = [0.0; 2];
         let mut drives = [DriveState::default(); 2];
-        let mut energy = Energy::default();
+        let (mut energy, mut motor_power) = (Energy::default(), 0.0);
         let drop = self.supply.map_or(0.0, |s| s.drop(*duty, arm.current));
         energy.lost += drop * Supply::current(*duty, arm.current);
         for j in Joint::ALL {
@@ -189,6 +206,7 @@ impl Drives {
             torque[j] += action.torque;
             drives[j] = action.rates;
             energy.lost += action.lost;
+            motor_power += action.motor_power;
             energy.supplied += loads.joint_torque[j] * arm.v[DRIVEN[j]].angular;
             if let Some(voltage) = loads.voltage[j] {
                 let i = arm.current[j];
@@ -211,6 +229,7 @@ impl Drives {
             },
             drives,
             energy,
+            motor_power,
         }
     }
 
@@ -245,6 +264,11 @@ impl Drives {
     /// The drives' states.
     pub fn state(&self) -> &[DriveState; 2] {
         &self.state
+    }
+
+    /// The work on their rotors of motors that are no brushed ones [J]. It is not in the energy that was supplied.
+    pub fn motor_work(&self) -> f64 {
+        self.motor_work
     }
 
     /// The energies that were supplied and lost.

@@ -49,7 +49,7 @@ pub use motor::Motor;
 pub use parameters::Parameters;
 pub use planar::{Body, PlanarVector};
 pub use plant::{Hands, Plant};
-pub use ripple::PERIODS_PER_TURN;
+pub use ripple::RipplePeriods;
 pub use sensors::JointSensors;
 pub use stepper::{DriverMode, Rotor, Stepper, StepperPlant, Windings};
 pub use torque::{GREATEST_STEP, TooFast, TorquePlant};

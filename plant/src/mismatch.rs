@@ -32,11 +32,11 @@ pub struct Mismatch {
     pub home_error: [f64; 2],
     /// Excess of the torque constants, as a share.
     pub torque_constant: [f64; 2],
-    /// Amplitude of the torque constants' ripple, as a share, with
-    /// ten periods per motor turn.
+    /// Amplitude of the torque constants' ripple, as a share, with the periods per motor turn of
+    /// [`RipplePeriods`](crate::RipplePeriods).
     pub torque_ripple: [f64; 2],
-    /// Amplitude of the cogging torques [N·m], with
-    /// ten periods per motor turn.
+    /// Amplitude of the cogging torques [N·m], with the periods of
+    /// [`RipplePeriods`](crate::RipplePeriods).
     pub cogging: [f64; 2],
     /// Stiffness of the drives [N·m/rad], in place of the known one; none: as known.
     pub stiffness: Option<[f64; 2]>,

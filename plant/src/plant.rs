@@ -16,6 +16,7 @@ use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::planar::PlanarVector;
+use crate::ripple::RipplePeriods;
 use crate::sensors::{self, JointSensors};
 use crate::stop::HardStop;
 use crate::wiring::Wiring;
@@ -128,8 +129,13 @@ impl Plant {
                 )
             }),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
-            drives: Some(Drives::new(parameters, mismatch, &model, &state))
-                .filter(|drives| !drives.are_ideal()),
+            drives: Some(Drives::new(
+                parameters,
+                mismatch,
+                RipplePeriods::BRUSHED,
+                (&model, &state),
+            ))
+            .filter(|drives| !drives.are_ideal()),
             encoders,
             delay: Delay::new(Joint::ALL.map(latency)),
             state,
@@ -185,7 +191,12 @@ impl Plant {
             };
         }
         let mut arm = Self::new(&parameters, mismatch, pose, seed);
-        arm.drives = Some(Drives::new(&parameters, mismatch, &arm.model, &arm.state));
+        arm.drives = Some(Drives::new(
+            &parameters,
+            mismatch,
+            RipplePeriods::OUTRUNNER,
+            (&arm.model, &arm.state),
+        ));
         arm
     }
 

@@ -28,9 +28,9 @@ impl Mismatch {
             base_length: _,
             home_error: _,
             torque_constant: _,
-            torque_ripple,
-            cogging,
-            stiffness,
+            torque_ripple: _,
+            cogging: _,
+            stiffness: _,
             drive_damping: _,
             backlash: _,
             stiction: _,
@@ -38,15 +38,7 @@ impl Mismatch {
             encoder_latency: _,
             supply_resistance,
         } = self;
-        let effects = [
-            ("torque_ripple", *torque_ripple == [0.0; 2]),
-            ("cogging", *cogging == [0.0; 2]),
-            ("stiffness", stiffness.is_none()),
-            ("supply_resistance", *supply_resistance == 0.0),
-        ];
-        effects
-            .into_iter()
-            .find_map(|(name, is_exact)| (!is_exact).then_some(name))
+        (*supply_resistance != 0.0).then_some("supply_resistance")
     }
 }
 

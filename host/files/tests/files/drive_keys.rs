@@ -237,6 +237,20 @@ fn what_hobby_servos_do_not_have_is_refused_with_its_line() {
 }
 
 #[test]
+fn drives_on_a_bus_have_the_mismatch_of_motors_and_belts_but_no_supply() {
+    let keys = "cogging = [0.06, 0.06]\ntorque_ripple = [0.02, 0.02]\nstiffness = [2e3, 2e3]\n\
+                drive_damping = [0.05, 0.05]\nbacklash = [1e-4, 1e-4]";
+    let mismatch = scenario_on("leg", keys).unwrap().mismatch;
+    assert_eq!(mismatch.stiffness, Some([2e3; 2]));
+    let message = scenario_on("leg", "supply_resistance = 0.1").unwrap_err();
+    assert!(message.contains("line 4: `supply_resistance`"), "{message}");
+    assert!(
+        message.contains("has drives on a CAN bus: leave it out"),
+        "{message}"
+    );
+}
+
+#[test]
 fn a_number_of_the_wiring_that_nothing_can_have_is_refused_with_its_line_and_bounds() {
     for (robot, key, bounds) in [
         ("benchtop", "counts = [0.0, -1.0]", "must be above -1"),
