@@ -1,15 +1,16 @@
 //! Drives that are not ideal: their state, and its integration together with the arm's.
 //!
 //! The state of the arm (positions, velocities, currents) is extended by the rotors behind springs
-//! (θm, ωm), the bristles of friction that holds (z), and the sums of supplied and lost energy. All
+//! (θm, ωm), the bristles of friction that holds (z) at joints and pen, and the sums of supplied and lost energy. All
 //! of it is integrated by the classic fourth-order Runge–Kutta method, then the joints are closed.
 //! [`Model::step`] integrates an arm whose drives are all ideal.
 
 use crate::chain::PerJoint;
 use crate::drive::{Drive, DriveAction, DriveState};
-use crate::dynamics::{DRIVEN, Loads, Model, Rates, SHORTEST_STEP, State};
+use crate::dynamics::{CARRIER, DRIVEN, Loads, Model, Rates, SHORTEST_STEP, State};
 use crate::mismatch::Mismatch;
 use crate::parameters::Parameters;
+use crate::pen::Pen;
 use crate::ripple::RipplePeriods;
 use crate::supply::Supply;
 use fivebar_kinematics::five_bar::Joint;
@@ -24,11 +25,19 @@ pub struct Energy {
     pub lost: f64,
 }
 
-/// The drives, if any of their effects is on.
+/// Phase of the tip's oscillation on a pen that sticks in one integration step [rad]; the tip is lighter than its link.
+const PEN_PHASE: f64 = 0.2;
+
+/// The drives and the pen, if any of their effects is on.
 #[derive(Clone, Debug)]
 pub struct Drives {
     drives: [Drive; 2],
     supply: Option<Supply>,
+    pen: Option<Pen>,
+    /// Whether it touches the paper.
+    pub(crate) pen_is_down: bool,
+    /// Its deflection [m].
+    deflection: Vector2<f64>,
     state: [DriveState; 2],
     energy: Energy,
     /// The work of those motors on their rotors [J].
@@ -54,6 +63,7 @@ struct Whole {
     drives: [DriveState; 2],
     energy: Energy,
     motor_work: f64,
+    deflection: Vector2<f64>,
 }
 
 #[derive(Clone, Copy)]
@@ -62,6 +72,7 @@ struct WholeRates {
     drives: [DriveState; 2],
     energy: Energy,
     motor_power: f64,
+    deflection: Vector2<f64>,
 }
 
 impl Whole {
@@ -83,6 +94,7 @@ impl Whole {
                 lost: self.energy.lost + rates.energy.lost * time,
             },
             motor_work: self.motor_work + rates.motor_power * time,
+            deflection: self.deflection + rates.deflection * time,
         }
     }
 }
@@ -112,13 +124,16 @@ impl Drives {
             Joint::ALL.map(|j| drives[j].longest_step_at_rest(&model.motors[j], resistance));
         Self {
             longest_at_rest: model.longest_step().min(steps[0]).min(steps[1]),
-            drives,
+            pen: Pen::new(mismatch.pen_friction),
+            pen_is_down: false,
+            deflection: Vector2::zeros(),
             supply,
-            state: DRIVEN.map(|link| DriveState {
-                angle: state.q[link].angular,
-                speed: state.v[link].angular,
+            state: Joint::ALL.map(|j| DriveState {
+                angle: drives[j].rotor_at(state.q[DRIVEN[j]].angular),
+                speed: state.v[DRIVEN[j]].angular,
                 bristles: 0.0,
             }),
+            drives,
             energy: Energy::default(),
             motor_work: 0.0,
             duty: [None; 2],
@@ -128,15 +143,21 @@ impl Drives {
 
     /// Whether none of their effects is on.
     pub(crate) fn are_ideal(&self) -> bool {
-        self.supply.is_none() && self.drives.iter().all(Drive::is_ideal)
+        self.supply.is_none() && self.pen.is_none() && self.drives.iter().all(Drive::is_ideal)
     }
 
     /// Puts the drives to rest behind the joints of `state`.
     pub(crate) fn rest_at(&mut self, state: &State) {
-        self.state = DRIVEN.map(|link| DriveState {
-            angle: state.q[link].angular,
+        self.deflection = Vector2::zeros();
+        self.state = Joint::ALL.map(|j| DriveState {
+            angle: self.rotor_at(j, state.q[DRIVEN[j]].angular),
             ..DriveState::default()
         });
+    }
+
+    /// The rotor's angle over the gear ratio behind a joint at rest at `theta` [rad].
+    pub(crate) fn rotor_at(&self, joint: Joint, theta: f64) -> f64 {
+        self.drives[joint].rotor_at(theta)
     }
 
     /// Breaks a drive's belt; a rigid drive has none.
@@ -157,6 +178,10 @@ impl Drives {
         time: f64,
     ) {
         self.energy.lost += self.cleared(model, state, loads);
+        if !self.pen_is_down {
+            self.energy.lost += self.pen_energy();
+            self.deflection = Vector2::zeros();
+        }
         state.clear_floating_currents(loads);
         self.duty = duty;
         let inputs = Inputs { loads, duty };
@@ -165,8 +190,9 @@ impl Drives {
             drives: self.state,
             energy: self.energy,
             motor_work: self.motor_work,
+            deflection: self.deflection,
         };
-        let steps = (time / self.longest_step(state)).ceil().max(1.0);
+        let steps = (time / self.longest_step(model, state)).ceil().max(1.0);
         for _ in 0..steps as usize {
             self.runge_kutta(model, &mut whole, &inputs, time / steps);
         }
@@ -174,6 +200,7 @@ impl Drives {
         self.state = whole.drives;
         self.energy = whole.energy;
         self.motor_work = whole.motor_work;
+        self.deflection = whole.deflection;
     }
 
     fn runge_kutta(&self, model: &Model, whole: &mut Whole, inputs: &Inputs<'_>, time: f64) {
@@ -220,7 +247,14 @@ impl Drives {
         if loads.tool_force != Vector2::zeros() {
             energy.supplied += loads.tool_force.dot(&model.tool_velocity(arm));
         }
-        let (a, _) = model.accelerations(arm, torque, loads.tool_force);
+        let mut deflection = Vector2::zeros();
+        let mut tool_force = loads.tool_force;
+        if let Some(pen) = self.pen.filter(|_| self.pen_is_down) {
+            let (rate, lost) = pen.rate(model.tool_velocity(arm), whole.deflection);
+            (deflection, energy.lost) = (rate, energy.lost + lost);
+            tool_force += pen.force(whole.deflection);
+        }
+        let (a, _) = model.accelerations(arm, torque, tool_force);
         WholeRates {
             arm: Rates {
                 v: arm.v,
@@ -230,6 +264,7 @@ impl Drives {
             drives,
             energy,
             motor_power,
+            deflection,
         }
     }
 
@@ -242,8 +277,12 @@ impl Drives {
     }
 
     /// The longest integration step that resolves the drives at this state [s].
-    fn longest_step(&self, state: &State) -> f64 {
+    fn longest_step(&self, model: &Model, state: &State) -> f64 {
         let mut step = self.longest_at_rest;
+        if let Some(pen) = self.pen.filter(|_| self.pen_is_down) {
+            step = step.min(1.0 / pen.sliding_rate(model.tool_velocity(state).norm()));
+            step = step.min(PEN_PHASE / pen.resonance(model.chain.bodies[CARRIER].mass));
+        }
         for (j, drive) in self.drives.iter().enumerate() {
             let omega = state.v[DRIVEN[j]].angular;
             step = step.min(drive.longest_step_at(&self.state[j], omega));
@@ -276,15 +315,20 @@ impl Drives {
         self.energy
     }
 
-    /// Energy in the arm, the windings, the rotors, the springs, the bristles and the magnets'
-    /// cogging [J].
+    /// Energy of the pen's deflection [J].
+    fn pen_energy(&self) -> f64 {
+        self.pen.map_or(0.0, |pen| pen.energy(self.deflection))
+    }
+
+    /// Energy in the arm, the windings, the rotors, the springs, the bristles, the magnets'
+    /// cogging and the pen [J].
     pub fn stored(&self, model: &Model, state: &State) -> f64 {
         let of = |j: Joint| {
             let theta = state.q[DRIVEN[j]].angular;
             winding(model, state, j) + self.drives[j].energy(&self.state[j], theta)
         };
         let [drive1, drive4] = Joint::ALL.map(of);
-        model.energy(state) + drive1 + drive4
+        model.energy(state) + drive1 + drive4 + self.pen_energy()
     }
 
     /// The voltage that the supply's resistance takes [V].
@@ -302,7 +346,10 @@ impl Drives {
     /// The force through each joint, A to E, on the body nearer to E [N].
     pub(crate) fn reactions(&self, model: &Model, state: &State, force: Vector2<f64>) -> PerJoint {
         let torque = Joint::ALL.map(|j| self.action(model, state, &self.state[j], j).torque);
-        model.accelerations(state, torque, force).1
+        let held = self
+            .pen
+            .map_or_else(Vector2::zeros, |pen| pen.force(self.deflection));
+        model.accelerations(state, torque, force + held).1
     }
 }
 

@@ -8,7 +8,7 @@ use crate::brake::Brake;
 use crate::contactor::Contactor;
 use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
-use crate::encoder::TrueEncoder;
+use crate::encoder::{EncoderSide, TrueEncoder};
 use crate::fault::PlantFault;
 use crate::index::Index;
 use crate::latency::Delay;
@@ -23,7 +23,7 @@ use crate::wiring::Wiring;
 use crate::worn_joints::WornJoints;
 use fivebar_design::Noise;
 use fivebar_firmware::drives::BrushedSample;
-use fivebar_firmware::settings::HomingMethod;
+use fivebar_firmware::settings::{HomingMethod, ToolOutputSettings};
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
@@ -83,6 +83,7 @@ pub struct Plant {
     /// Ticks that it missed before this one.
     missed_ticks: u32,
     tool_force: Vector2<f64>,
+    tool_output: ToolOutputSettings,
 }
 
 impl Plant {
@@ -104,12 +105,21 @@ impl Plant {
             |joint: Joint| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
         let settings = &parameters.settings;
         let encoders = Joint::ALL.map(encoder);
+        let drives = Drives::new(
+            parameters,
+            mismatch,
+            RipplePeriods::BRUSHED,
+            (&model, &state),
+        );
         let sensors = Joint::ALL.map(|joint: Joint| {
             let known = JointSensors::new(settings, mismatch, joint);
             let switch = parameters.switches.map(|switches| switches[joint]);
             JointSensors {
                 switch: switch.unwrap_or(known.switch),
-                shown_at_home: encoders[joint].measured(known.home),
+                shown_at_home: encoders[joint].measured(match encoders[joint].side {
+                    EncoderSide::Motor => drives.rotor_at(joint, known.home),
+                    EncoderSide::Joint => known.home,
+                }),
                 ..known
             }
         });
@@ -129,13 +139,7 @@ impl Plant {
                 )
             }),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
-            drives: Some(Drives::new(
-                parameters,
-                mismatch,
-                RipplePeriods::BRUSHED,
-                (&model, &state),
-            ))
-            .filter(|drives| !drives.are_ideal()),
+            drives: Some(drives).filter(|drives| !drives.are_ideal()),
             encoders,
             delay: Delay::new(Joint::ALL.map(latency)),
             state,
@@ -164,6 +168,7 @@ impl Plant {
             late_by: 0,
             missed_ticks: 0,
             tool_force: Vector2::zeros(),
+            tool_output: settings.tool_output,
         };
         plant.record_angles();
         plant
@@ -320,6 +325,7 @@ impl Plant {
         if let Some(wear) = &mut self.wear {
             wear.step(&self.model, &mut self.state, &loads, period);
         } else if let Some(drives) = &mut self.drives {
+            drives.pen_is_down = self.tool_output.level(applied.tool) > 0.0;
             drives.step(&self.model, &mut self.state, &loads, duty, period);
         } else {
             let steps = (period / self.model.longest_step()).ceil().max(1.0);

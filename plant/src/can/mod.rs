@@ -33,10 +33,14 @@ impl Mismatch {
             stiffness: _,
             drive_damping: _,
             backlash: _,
+            pulley_run_out: _,
+            tooth_mesh: _,
             stiction: _,
             encoder_error: _,
             encoder_latency: _,
             supply_resistance,
+            pen_friction: _,
+            paper_growth: _,
         } = self;
         (*supply_resistance != 0.0).then_some("supply_resistance")
     }
