@@ -116,10 +116,7 @@ impl Plant {
             let switch = parameters.switches.map(|switches| switches[joint]);
             JointSensors {
                 switch: switch.unwrap_or(known.switch),
-                shown_at_home: encoders[joint].measured(match encoders[joint].side {
-                    EncoderSide::Motor => drives.rotor_at(joint, known.home),
-                    EncoderSide::Joint => known.home,
-                }),
+                shown_at_home: shown_at(known.home, joint, &encoders[joint], &drives),
                 ..known
             }
         });
@@ -422,6 +419,14 @@ impl Plant {
     pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;
     }
+}
+
+/// What an encoder shows where its joint rests at `theta` [rad].
+fn shown_at(theta: f64, joint: Joint, encoder: &TrueEncoder, drives: &Drives) -> f64 {
+    encoder.measured(match encoder.side {
+        EncoderSide::Motor => drives.rotor_at(joint, theta),
+        EncoderSide::Joint => theta,
+    })
 }
 
 /// The counts at home. Incremental counters start anywhere, absolute ones in any turn.
