@@ -214,8 +214,8 @@ fn the_document_states_the_run_out_and_the_growth_that_are_found() {
     }
 }
 
-/// Each joint is off by what its pulley does there, less what it does at home: where the controller took its angle from a switch,
-/// and where an absolute encoder is right. Each arm with the error that its loop leaves, RMS [rad].
+/// Each joint is off by what its pulley does there, less what it does at home, where the controller took its angle.
+/// Each arm with the error that its loop leaves, RMS [rad].
 #[test]
 fn a_run_out_turns_the_joints_by_its_harmonic_of_the_motors_angle_since_home() {
     for ((name, gear), left) in [(ARMS[0], 3e-5), (ARMS[2], 2e-4)] {
@@ -236,7 +236,7 @@ fn a_run_out_turns_the_joints_by_its_harmonic_of_the_motors_angle_since_home() {
         for sample in record.trace.samples() {
             let rotor = sample.reference_angle[0] + at_home - home;
             let expected = rotor + RUN_OUT * (gear * rotor).sin();
-            // Absolute encoders may show another turn.
+            // The joint may be in another turn than its reference.
             let off = (sample.angle[0] - expected).sin();
             let other = (sample.angle[1] - sample.reference_angle[1]).sin();
             squares[0] += off * off;
