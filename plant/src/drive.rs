@@ -1,15 +1,16 @@
 //! One drive that is not ideal: motor, spring and friction at one state.
 //!
-//! τm = n k(θm) i + τc(θm) + τx   motor with its ripple and cogging, and what else turns its rotor
-//! τ = k x + d ẋ             through the spring, x = θm − θ; rigid: τ = τm
-//! n² J θ̈m = τm − τ
+//! τm = n k(θm) i + τc(θm) + k(θm)/k τx   motor with its ripple and cogging, and the torque of one that is no brushed motor
+//! τ = k x + d ẋ             through the spring, x = ψ(θm) − θ; rigid: τ = τm
+//! n² J θ̈m = τm − τ dψ/dθm, where ψ = θm but for the errors of a pulley
 //! τ + τf(θ̇, z)              turns the joint, with the friction
 
 use crate::friction::{Presliding, Sliding};
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::parameters::Parameters;
-use crate::ripple::Ripple;
+use crate::pulley::Pulley;
+use crate::ripple::{Ripple, RipplePeriods};
 use crate::transmission::Spring;
 use fivebar_kinematics::five_bar::Joint;
 
@@ -21,6 +22,7 @@ const PHASE: f64 = 0.35;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drive {
     pub(crate) spring: Option<Spring>,
+    pulley: Option<Pulley>,
     friction: Option<Presliding>,
     ripple: Option<Ripple>,
     /// The rotor's inertia at the joint, n² J [kg·m²].
@@ -47,6 +49,8 @@ pub(crate) struct DriveAction {
     pub(crate) torque: f64,
     /// n k at the rotor's angle [N·m/A].
     pub(crate) constant: f64,
+    /// What a motor that is no brushed one gives its rotor [W].
+    pub(crate) motor_power: f64,
     /// The rotor's speed over the gear ratio [rad/s].
     pub(crate) speed: f64,
     /// The rates of the drive's state.
@@ -56,19 +60,20 @@ pub(crate) struct DriveAction {
 }
 
 impl Drive {
-    /// A drive, with its motor and the inertia of its link about the pivot [kg·m²].
+    /// A drive, with its motor, the periods of its ripple, and the inertia of its link about the pivot [kg·m²].
     pub(crate) fn new(
         parameters: &Parameters,
         mismatch: &Mismatch,
         joint: Joint,
-        motor: &Motor,
+        (motor, periods): (&Motor, RipplePeriods),
         link: f64,
     ) -> Self {
         let (ripple, cogging) = (mismatch.torque_ripple[joint], mismatch.cogging[joint]);
         Self {
             spring: mismatch.spring(parameters, joint),
+            pulley: mismatch.pulley(motor.gear_ratio, joint),
             friction: Presliding::new(motor, mismatch.stiction[joint], link),
-            ripple: Ripple::new(motor, ripple, cogging),
+            ripple: Ripple::new(motor, ripple, cogging, periods),
             rotor: motor.reflected_inertia(),
             link,
         }
@@ -79,7 +84,13 @@ impl Drive {
         self.spring.is_none() && self.friction.is_none() && self.ripple.is_none()
     }
 
-    /// What it does with the joint at θ and θ̇, the current i [A] and a torque τx on the rotor [N·m].
+    /// The rotor's angle over the gear ratio behind a joint at rest at `theta` [rad].
+    pub(crate) fn rotor_at(&self, theta: f64) -> f64 {
+        self.pulley.map_or(theta, |pulley| pulley.rotor(theta))
+    }
+
+    /// What it does with the joint at θ and θ̇, the current i [A] and a motor's torque τx without its
+    /// ripple [N·m].
     #[inline]
     pub(crate) fn action(
         &self,
@@ -95,7 +106,7 @@ impl Drive {
         };
         let (share, cogging) = self.ripple.map_or((1.0, 0.0), |ripple| ripple.at(angle));
         let constant = motor.gear_ratio * motor.torque_constant * share;
-        let driving = constant * current + cogging + extra;
+        let driving = constant * current + cogging + share * extra;
         let Sliding { rate, torque, loss } = match &self.friction {
             Some(friction) => friction.at(omega, state.bristles),
             None => {
@@ -110,6 +121,7 @@ impl Drive {
         let mut action = DriveAction {
             torque: driving + torque,
             constant,
+            motor_power: share * extra * speed,
             speed,
             rates: DriveState {
                 bristles: rate,
@@ -118,12 +130,13 @@ impl Drive {
             lost: loss,
         };
         if let Some(spring) = &self.spring {
-            let (x, x_rate) = (angle - theta, speed - omega);
+            let (ahead, slope) = self.pulley.map_or((0.0, 1.0), |pulley| pulley.at(angle));
+            let (x, x_rate) = (angle + ahead - theta, slope * speed - omega);
             let transmitted = spring.torque(x, x_rate);
             action.torque = transmitted + torque;
             action.lost += spring.loss(x, x_rate, transmitted);
             action.rates.angle = speed;
-            action.rates.speed = (driving - transmitted) / self.rotor;
+            action.rates.speed = (driving - slope * transmitted) / self.rotor;
         }
         action
     }
@@ -135,7 +148,8 @@ impl Drive {
         let mut angle = theta;
         if let Some(spring) = &self.spring {
             angle = state.angle;
-            energy += spring.energy(angle - theta);
+            let ahead = self.pulley.map_or(0.0, |pulley| pulley.at(angle).0);
+            energy += spring.energy(angle + ahead - theta);
             energy += 0.5 * self.rotor * state.speed * state.speed;
         }
         energy + self.ripple.map_or(0.0, |ripple| ripple.energy(angle))
@@ -171,6 +185,9 @@ impl Drive {
         if let Some(ripple) = &self.ripple {
             let speed = self.spring.map_or(omega, |_| state.speed);
             step = step.min(PHASE / ripple.rate(speed));
+        }
+        if let Some(pulley) = &self.pulley {
+            step = step.min(PHASE / pulley.rate(state.speed));
         }
         step
     }

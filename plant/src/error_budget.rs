@@ -4,7 +4,7 @@ use crate::mismatch::Mismatch;
 
 impl Mismatch {
     /// Each difference that is on, with its key, alone: all others are off. The damping of a drive
-    /// belongs to its stiffness or backlash.
+    /// belongs to its stiffness, or to the flanks of backlash and of an uneven pulley.
     pub fn alone(&self) -> Vec<(&'static str, Self)> {
         let none = Self::NONE;
         let damped = Self {
@@ -12,14 +12,23 @@ impl Mismatch {
             ..none
         };
         let (stiffness, backlash) = (self.stiffness, self.backlash);
-        let is_damping_alone = stiffness.is_none() && backlash == none.backlash;
+        let (pulley_run_out, tooth_mesh) = (self.pulley_run_out, self.tooth_mesh);
+        let has_flanks = [backlash, pulley_run_out, tooth_mesh] != [[0.0; 2]; 3];
+        let is_damping_alone = stiffness.is_none() && !has_flanks;
         let own_damping = if is_damping_alone { damped } else { none };
         // A gap without a belt's stiffness beside it has its damping at the flanks.
         let flanks = if stiffness.is_none() { damped } else { none };
         // Names every other key: one without a line here does not compile.
         macro_rules! alone {
             ($($key:ident),*) => {{
-                let Self { stiffness: _, drive_damping: _, backlash: _, $($key: _),* } = self;
+                let Self {
+                    stiffness: _,
+                    drive_damping: _,
+                    backlash: _,
+                    pulley_run_out: _,
+                    tooth_mesh: _,
+                    $($key: _),*
+                } = self;
                 [$((stringify!($key), Self { $key: self.$key, ..none })),*]
             }};
         }
@@ -38,7 +47,9 @@ impl Mismatch {
             stiction,
             encoder_error,
             encoder_latency,
-            supply_resistance
+            supply_resistance,
+            pen_friction,
+            paper_growth
         );
         let springs = [
             (
@@ -50,10 +61,26 @@ impl Mismatch {
             ),
             ("drive_damping", own_damping),
             ("backlash", Self { backlash, ..flanks }),
+            (
+                "pulley_run_out",
+                Self {
+                    pulley_run_out,
+                    ..flanks
+                },
+            ),
+            (
+                "tooth_mesh",
+                Self {
+                    tooth_mesh,
+                    ..flanks
+                },
+            ),
         ];
         let is_on = |(key, alone): &(&str, Self)| match *key {
             "stiffness" => stiffness.is_some(),
             "backlash" => backlash != none.backlash,
+            "pulley_run_out" => pulley_run_out != none.pulley_run_out,
+            "tooth_mesh" => tooth_mesh != none.tooth_mesh,
             _ => *alone != none,
         };
         plain.into_iter().chain(springs).filter(is_on).collect()
@@ -107,6 +134,12 @@ mod tests {
         ];
         let expected = [("stiffness", stiffness), ("backlash", backlash)];
         assert_eq!(belt.alone(), expected);
+        let uneven = Mismatch {
+            pulley_run_out: [1e-3; 2],
+            drive_damping: damping,
+            ..Mismatch::NONE
+        };
+        assert_eq!(uneven.alone(), [("pulley_run_out", uneven)]);
         let alone = Mismatch {
             drive_damping: damping,
             ..Mismatch::NONE

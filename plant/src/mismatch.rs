@@ -4,6 +4,7 @@ use crate::encoder::Harmonics;
 use crate::mismatch_error::{Bound, MismatchError};
 use crate::motor::Motor;
 use crate::parameters::Parameters;
+use crate::pulley::Pulley;
 use crate::transmission::{Spring, Transmission};
 use fivebar_kinematics::five_bar::{Geometry, Joint};
 use serde::{Deserialize, Serialize};
@@ -32,11 +33,11 @@ pub struct Mismatch {
     pub home_error: [f64; 2],
     /// Excess of the torque constants, as a share.
     pub torque_constant: [f64; 2],
-    /// Amplitude of the torque constants' ripple, as a share, with
-    /// ten periods per motor turn.
+    /// Amplitude of the torque constants' ripple, as a share, with the periods per motor turn of
+    /// [`RipplePeriods`](crate::RipplePeriods).
     pub torque_ripple: [f64; 2],
-    /// Amplitude of the cogging torques [N·m], with
-    /// ten periods per motor turn.
+    /// Amplitude of the cogging torques [N·m], with the periods of
+    /// [`RipplePeriods`](crate::RipplePeriods).
     pub cogging: [f64; 2],
     /// Stiffness of the drives [N·m/rad], in place of the known one; none: as known.
     pub stiffness: Option<[f64; 2]>,
@@ -44,6 +45,12 @@ pub struct Mismatch {
     pub drive_damping: [f64; 2],
     /// Backlash of the drives, the full gap [rad].
     pub backlash: [f64; 2],
+    /// Amplitude of the joints' error by the eccentricity of the small pulleys [rad], once a motor
+    /// turn: the eccentricity over the radius of the pulley at the joint.
+    pub pulley_run_out: [f64; 2],
+    /// Amplitude of the joints' error by the teeth of the small pulleys [rad],
+    /// [`PULLEY_TEETH`](crate::PULLEY_TEETH) times a motor turn.
+    pub tooth_mesh: [f64; 2],
     /// Excess of the friction at rest over the Coulomb friction, as a share of it. Above 0,
     /// friction holds the joint at rest.
     pub stiction: [f64; 2],
@@ -53,6 +60,11 @@ pub struct Mismatch {
     pub encoder_latency: [f64; 2],
     /// Resistance of the supply and its leads [Ω].
     pub supply_resistance: f64,
+    /// Force by which a pen that is down is held back while it slides on the paper [N].
+    pub pen_friction: f64,
+    /// Growth of the paper in x and y after it was drawn on, as a share. It moves what is drawn,
+    /// not the arm.
+    pub paper_growth: [f64; 2],
 }
 
 /// Lengths per greatest change of a length.
@@ -78,10 +90,14 @@ impl Mismatch {
         stiffness: None,
         drive_damping: [0.0; 2],
         backlash: [0.0; 2],
+        pulley_run_out: [0.0; 2],
+        tooth_mesh: [0.0; 2],
         stiction: [0.0; 2],
         encoder_error: [Harmonics::NONE; 2],
         encoder_latency: [0.0; 2],
         supply_resistance: 0.0,
+        pen_friction: 0.0,
+        paper_growth: [0.0; 2],
     };
 
     /// Checks the values.
@@ -110,6 +126,8 @@ impl Mismatch {
             ),
             ("drive_damping", &self.drive_damping, AtLeast(0.0)),
             ("backlash", &self.backlash, Within(0.0, 0.1, "rad")),
+            ("pulley_run_out", &self.pulley_run_out, AtLeast(0.0)),
+            ("tooth_mesh", &self.tooth_mesh, AtLeast(0.0)),
             ("stiction", &self.stiction, Within(0.0, 10.0, "")),
             (
                 "encoder_latency",
@@ -121,6 +139,8 @@ impl Mismatch {
                 &[self.supply_resistance],
                 Within(0.0, 100.0, "Ω"),
             ),
+            ("pen_friction", &[self.pen_friction], Within(0.0, 10.0, "N")),
+            ("paper_growth", &self.paper_growth, Within(-0.05, 0.05, "")),
         ] {
             for &value in values {
                 bound.check(name, value)?;
@@ -169,15 +189,28 @@ impl Mismatch {
     ) -> Result<(), MismatchError> {
         let backlash = self.backlash[joint];
         let damping = self.drive_damping[joint];
+        let most = Pulley::most(motor.gear_ratio);
+        let uneven = [
+            ("pulley_run_out", self.pulley_run_out[joint], most[0]),
+            ("tooth_mesh", self.tooth_mesh[joint], most[1]),
+        ];
+        for (name, amplitude, most) in uneven {
+            Bound::Within(0.0, most, "rad").check(name, amplitude)?;
+        }
         if damping > 0.0 && motor.rotor_inertia > 0.0 {
             Bound::Within(0.0, motor.most_drive_damping(), "N·m·s/rad")
                 .check("drive_damping", damping)?;
         }
         let Some(stiffness) = transmission.stiffness else {
-            if backlash > 0.0 && motor.rotor_inertia <= 0.0 {
-                return Err(Bound::NoRotor.broken_by("backlash", backlash));
+            let mut flanks = uneven
+                .map(|(name, amplitude, _)| (name, amplitude))
+                .to_vec();
+            flanks.push(("backlash", backlash));
+            flanks.retain(|&(_, value)| value > 0.0);
+            if let (Some(&(name, value)), true) = (flanks.first(), motor.rotor_inertia <= 0.0) {
+                return Err(Bound::NoRotor.broken_by(name, value));
             }
-            if backlash <= 0.0 && damping > 0.0 {
+            if flanks.is_empty() && damping > 0.0 {
                 return Err(Bound::NoSpring.broken_by("drive_damping", damping));
             }
             return Ok(());
@@ -218,12 +251,19 @@ impl Mismatch {
 }
 
 impl Mismatch {
+    /// The errors of a drive's pulley; none without any.
+    pub(crate) fn pulley(&self, gear_ratio: f64, joint: Joint) -> Option<Pulley> {
+        let amplitudes = [self.pulley_run_out[joint], self.tooth_mesh[joint]];
+        Pulley::new(gear_ratio, amplitudes)
+    }
+
     /// The spring of a drive, with this mismatch; none if it is rigid.
     pub(crate) fn spring(&self, parameters: &Parameters, joint: Joint) -> Option<Spring> {
         let transmission = self.transmission(parameters, joint);
         Spring::new(
             &transmission,
             self.backlash[joint],
+            self.pulley(1.0, joint).is_some(),
             &parameters.motors[joint],
         )
     }

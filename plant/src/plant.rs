@@ -8,7 +8,7 @@ use crate::brake::Brake;
 use crate::contactor::Contactor;
 use crate::drives::Drives;
 use crate::dynamics::{DRIVEN, Loads, Model, State};
-use crate::encoder::TrueEncoder;
+use crate::encoder::{EncoderSide, TrueEncoder};
 use crate::fault::PlantFault;
 use crate::index::Index;
 use crate::latency::Delay;
@@ -16,13 +16,14 @@ use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::planar::PlanarVector;
+use crate::ripple::RipplePeriods;
 use crate::sensors::{self, JointSensors};
 use crate::stop::HardStop;
 use crate::wiring::Wiring;
 use crate::worn_joints::WornJoints;
 use fivebar_design::Noise;
 use fivebar_firmware::drives::BrushedSample;
-use fivebar_firmware::settings::HomingMethod;
+use fivebar_firmware::settings::{HomingMethod, ToolOutputSettings};
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
@@ -82,6 +83,7 @@ pub struct Plant {
     /// Ticks that it missed before this one.
     missed_ticks: u32,
     tool_force: Vector2<f64>,
+    tool_output: ToolOutputSettings,
 }
 
 impl Plant {
@@ -103,12 +105,18 @@ impl Plant {
             |joint: Joint| parameters.encoders[joint].latency + mismatch.encoder_latency[joint];
         let settings = &parameters.settings;
         let encoders = Joint::ALL.map(encoder);
+        let drives = Drives::new(
+            parameters,
+            mismatch,
+            RipplePeriods::BRUSHED,
+            (&model, &state),
+        );
         let sensors = Joint::ALL.map(|joint: Joint| {
             let known = JointSensors::new(settings, mismatch, joint);
             let switch = parameters.switches.map(|switches| switches[joint]);
             JointSensors {
                 switch: switch.unwrap_or(known.switch),
-                shown_at_home: encoders[joint].measured(known.home),
+                shown_at_home: shown_at(known.home, joint, &encoders[joint], &drives),
                 ..known
             }
         });
@@ -128,8 +136,7 @@ impl Plant {
                 )
             }),
             free_inertia: DRIVEN.map(|link| model.chain.bodies[link].inertia),
-            drives: Some(Drives::new(parameters, mismatch, &model, &state))
-                .filter(|drives| !drives.are_ideal()),
+            drives: Some(drives).filter(|drives| !drives.are_ideal()),
             encoders,
             delay: Delay::new(Joint::ALL.map(latency)),
             state,
@@ -158,6 +165,7 @@ impl Plant {
             late_by: 0,
             missed_ticks: 0,
             tool_force: Vector2::zeros(),
+            tool_output: settings.tool_output,
         };
         plant.record_angles();
         plant
@@ -185,7 +193,12 @@ impl Plant {
             };
         }
         let mut arm = Self::new(&parameters, mismatch, pose, seed);
-        arm.drives = Some(Drives::new(&parameters, mismatch, &arm.model, &arm.state));
+        arm.drives = Some(Drives::new(
+            &parameters,
+            mismatch,
+            RipplePeriods::OUTRUNNER,
+            (&arm.model, &arm.state),
+        ));
         arm
     }
 
@@ -309,6 +322,7 @@ impl Plant {
         if let Some(wear) = &mut self.wear {
             wear.step(&self.model, &mut self.state, &loads, period);
         } else if let Some(drives) = &mut self.drives {
+            drives.pen_is_down = self.tool_output.level(applied.tool) > 0.0;
             drives.step(&self.model, &mut self.state, &loads, duty, period);
         } else {
             let steps = (period / self.model.longest_step()).ceil().max(1.0);
@@ -405,6 +419,14 @@ impl Plant {
     pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;
     }
+}
+
+/// What an encoder shows where its joint rests at `theta` [rad].
+fn shown_at(theta: f64, joint: Joint, encoder: &TrueEncoder, drives: &Drives) -> f64 {
+    encoder.measured(match encoder.side {
+        EncoderSide::Motor => drives.rotor_at(joint, theta),
+        EncoderSide::Joint => theta,
+    })
 }
 
 /// The counts at home. Incremental counters start anywhere, absolute ones in any turn.

@@ -5,6 +5,7 @@ use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::parameters::Parameters;
 use crate::plant::Plant;
+use crate::ripple::RipplePeriods;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_kinematics::five_bar::{Joint, Pose};
 use nalgebra::Vector2;
@@ -63,7 +64,12 @@ impl TorquePlant {
             };
         }
         let mut arm = Plant::new(&parameters, mismatch, pose, 1);
-        arm.drives = Some(Drives::new(&parameters, mismatch, arm.model(), arm.state()));
+        arm.drives = Some(Drives::new(
+            &parameters,
+            mismatch,
+            RipplePeriods::OUTRUNNER,
+            (arm.model(), arm.state()),
+        ));
         Self { arm }
     }
 

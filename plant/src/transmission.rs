@@ -39,15 +39,22 @@ const FLANK_RESONANCE: f64 = TAU * 2e3;
 const FLANK_DAMPING: f64 = 0.05;
 
 impl Spring {
-    /// The spring of a transmission with this full gap [rad]. None if it is rigid and has no
-    /// gap.
-    pub(crate) fn new(transmission: &Transmission, gap: f64, motor: &Motor) -> Option<Self> {
+    /// The spring of a transmission with this full gap [rad]. None if it is rigid, has no gap and
+    /// turns evenly.
+    pub(crate) fn new(
+        transmission: &Transmission,
+        gap: f64,
+        is_uneven: bool,
+        motor: &Motor,
+    ) -> Option<Self> {
         let backlash = (gap > 0.0).then(|| Backlash::new(gap));
         let inertia = motor.reflected_inertia();
         let (stiffness, damping) = match transmission.stiffness {
             Some(stiffness) => (stiffness, transmission.damping),
             None => {
-                backlash?;
+                if backlash.is_none() && !is_uneven {
+                    return None;
+                }
                 let damping = 2.0 * FLANK_DAMPING * inertia * FLANK_RESONANCE;
                 let given = transmission.damping;
                 (

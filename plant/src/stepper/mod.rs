@@ -30,10 +30,14 @@ impl Mismatch {
             stiffness: _,
             drive_damping: _,
             backlash: _,
+            pulley_run_out: _,
+            tooth_mesh: _,
             stiction: _,
             encoder_error,
             encoder_latency,
             supply_resistance,
+            pen_friction: _,
+            paper_growth: _,
         } = self;
         let exact = |value: &[f64; 2]| *value == [0.0; 2];
         let effects = [

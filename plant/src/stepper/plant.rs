@@ -89,7 +89,7 @@ impl StepperPlant {
                 made: 0,
                 missed: 0,
                 to_miss: 0,
-                start: motor.gear_ratio * arm.angle(j),
+                start: motor.gear_ratio * arm.rotor_angle(j),
                 field: [1.0, 0.0],
                 field_speed: 0.0,
                 acceleration: 0.0,

@@ -35,10 +35,14 @@ NO_MISMATCH: Dict[str, Any] = {
     "cogging": [0.0] * 2,
     "drive_damping": [0.0] * 2,
     "backlash": [0.0] * 2,
+    "pulley_run_out": [0.0] * 2,
+    "tooth_mesh": [0.0] * 2,
     "stiction": [0.0] * 2,
     "encoder_error": [[], []],
     "encoder_latency": [0.0] * 2,
     "supply_resistance": 0.0,
+    "pen_friction": 0.0,
+    "paper_growth": [0.0] * 2,
 }
 
 

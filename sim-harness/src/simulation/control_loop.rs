@@ -1,5 +1,6 @@
 //! The loop of a run: sense, tick and step, through homing, arming and the moves.
 
+use super::paper::Paper;
 use super::{Drawing, JointHistory, Sample, SimulatedArm, TipError, Trace, WorstError};
 use crate::link::{Target, TargetError};
 use fivebar_firmware::controller::Request;
@@ -71,6 +72,7 @@ pub struct Simulation<'a, T, P> {
     target: &'a mut T,
     plant: P,
     watch: Option<&'a mut dyn Watch>,
+    paper: Paper,
     /// The one who watches has stopped the run.
     stopped: bool,
     /// Period of the tick [s].
@@ -98,6 +100,7 @@ impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
             target,
             plant,
             watch: None,
+            paper: Paper::default(),
             stopped: false,
             period: 1.0 / tick_rate,
             record: Record::default(),
@@ -111,6 +114,15 @@ impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
     pub fn watched_by(self, watch: &'a mut dyn Watch) -> Self {
         Self {
             watch: Some(watch),
+            ..self
+        }
+    }
+
+    /// The same on paper that grows by these shares in x and y after it was drawn on.
+    #[must_use]
+    pub fn on_paper(self, growth: [f64; 2]) -> Self {
+        Self {
+            paper: Paper::that_grows(growth),
             ..self
         }
     }
@@ -269,7 +281,9 @@ impl<'a, P: SimulatedArm, T: Target<P::Interface>> Simulation<'a, T, P> {
         self.stopped |= seen.stop;
         let sample = Sample {
             reference: seen.wanted.unwrap_or(reported.reference),
-            tool: self.plant.tool(),
+            tool: self
+                .paper
+                .seen(self.plant.tool(), reported.tool_level > 0.0),
             angle: Joint::ALL.map(|j| self.plant.angle(j)),
             torque,
             current: self.plant.current(),

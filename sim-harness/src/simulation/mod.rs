@@ -8,6 +8,7 @@ mod demo_scale;
 mod drawing;
 mod hobby_servos;
 mod joints;
+mod paper;
 mod steppers;
 mod summary;
 mod tip_error;
@@ -52,8 +53,8 @@ pub enum RunError {
     /// Worn joints on an arm whose drives are not ideal.
     #[error(
         "worn joints are simulated with ideal drives only: leave out the `stiffness` of the robot \
-         file, and under [mismatch] `stiffness`, `backlash`, `stiction`, `cogging`, \
-         `torque_ripple` and `supply_resistance`"
+         file, and under [mismatch] `stiffness`, `backlash`, `pulley_run_out`, \
+         `tooth_mesh`, `stiction`, `cogging`, `torque_ripple`, `supply_resistance` and `pen_friction`"
     )]
     WornDrives,
     /// The robot has no masses.
@@ -365,7 +366,8 @@ fn run<P: SimulatedArm>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Summary, Record), RunError> {
     let started = Instant::now();
-    let mut simulation = Simulation::new(target, plant, scenario.robot.control.tick_rate);
+    let mut simulation = Simulation::new(target, plant, scenario.robot.control.tick_rate)
+        .on_paper(scenario.mismatch.paper_growth);
     if let Some(watch) = watch {
         simulation = simulation.watched_by(watch);
     }

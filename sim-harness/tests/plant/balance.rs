@@ -3,7 +3,8 @@
 use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_firmware::drives::BrushedCommand;
-use fivebar_plant::{Harmonic, Harmonics, Mismatch, Plant};
+use fivebar_firmware::settings::ALWAYS;
+use fivebar_plant::{Harmonic, Harmonics, Mismatch, PULLEY_TEETH, Plant};
 use nalgebra::Vector2;
 use proptest::prelude::*;
 
@@ -24,10 +25,13 @@ fn everything() -> Mismatch {
         stiffness: Some([2500.0, 700.0]),
         drive_damping: [0.02, 0.01],
         backlash: [5e-4, 1e-3],
+        pulley_run_out: [1.2e-3, 1e-3],
+        tooth_mesh: [4e-4, 3e-4],
         stiction: [0.5, 0.3],
         encoder_error: [Harmonics::new(&[eccentric]).unwrap(); 2],
         encoder_latency: [1e-4, 2.5e-4],
         supply_resistance: 0.3,
+        pen_friction: 0.4,
         ..Mismatch::default()
     }
 }
@@ -47,7 +51,7 @@ fn plant(gravity: bool) -> Plant {
     Plant::new(&parameters, &everything(), &robot.home_pose().unwrap(), 5)
 }
 
-/// Swings both joints, with times at rest and times with open bridges.
+/// Swings both joints, with times at rest, times with open bridges and times with the pen up.
 fn command(time: f64) -> ActuatorCommand {
     let swing = |frequency: f64, phase: f64| (frequency * time + phase).sin() as f32;
     let pause = (time % 0.5) > 0.4;
@@ -61,7 +65,7 @@ fn command(time: f64) -> ActuatorCommand {
         },
         enable: [(time % 0.3) > 0.01, true],
         brake: false,
-        tool: 0,
+        tool: if (time % 0.7) > 0.3 { ALWAYS } else { 0 },
     }
 }
 
@@ -167,6 +171,8 @@ proptest! {
         cogging in up_to(10.0),
         resistance in up_to(100.0),
         latency in up_to(0.1),
+        uneven in up_to(1.0),
+        pen in up_to(10.0),
     ) {
         let robot = Robot::load("benchtop").unwrap();
         let parameters = robot.plant_parameters().unwrap();
@@ -180,6 +186,9 @@ proptest! {
             cogging,
             supply_resistance: resistance[0],
             encoder_latency: latency,
+            pulley_run_out: uneven.map(|share| share * 0.25 / motor.gear_ratio),
+            tooth_mesh: uneven.map(|share| share * 0.25 / (PULLEY_TEETH * motor.gear_ratio)),
+            pen_friction: pen[0],
             ..Mismatch::default()
         };
         prop_assume!(drawn.check().is_ok() && drawn.check_for(&parameters).is_ok());

@@ -4,7 +4,7 @@ use fivebar_files::robot::Robot;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_firmware::drives::BrushedCommand;
 use fivebar_kinematics::five_bar::{Joint, Pose};
-use fivebar_plant::{FaultKind, Mismatch, PERIODS_PER_TURN, Parameters, Plant};
+use fivebar_plant::{FaultKind, Mismatch, Parameters, Plant, RipplePeriods};
 use std::f64::consts::{PI, TAU};
 
 /// Of the benchtop arm: gear ratio, torque constant at the joint [N·m/A], winding [Ω], bus [V].
@@ -14,7 +14,7 @@ const RESISTANCE: f64 = 2.3;
 const BUS: f64 = 24.0;
 
 /// Periods of cogging per turn of the joint.
-const PERIODS: f64 = PERIODS_PER_TURN * GEAR;
+const PERIODS: f64 = RipplePeriods::BRUSHED.cogging * GEAR;
 
 fn frictionless() -> Parameters {
     let mut parameters = Robot::load("benchtop").unwrap().plant_parameters().unwrap();

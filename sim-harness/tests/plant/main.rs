@@ -2,6 +2,7 @@
 
 mod arm;
 mod balance;
+mod bench;
 mod contact;
 mod elastic_drives;
 mod electrics;

@@ -80,6 +80,12 @@ fn check_kind(source: &Source<'_>, file: &ScenarioFile, robot: &Robot) -> Result
     if let Some(name) = name {
         return Err(source.refuse(Key::In("mismatch", name), reason));
     }
+    let of_pulleys = file.mismatch.effect_of_pulleys();
+    if let Some(name) = of_pulleys.filter(|_| robot.hobby_servos().is_some()) {
+        let reason =
+            "is of a belt between motor and joint, and a hobby servo has none: leave it out";
+        return Err(source.refuse(Key::In("mismatch", name), reason));
+    }
     Ok(())
 }
 

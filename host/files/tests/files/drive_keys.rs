@@ -123,7 +123,9 @@ fn a_mismatch_is_read_and_its_keys_are_off_when_left_out() {
          stiffness = [2500, 1250]\ndrive_damping = [0.02, 0]\nbacklash = [1e-4, 0]\n\
          stiction = [0.5, 0.2]\n\
          encoder_error = [[{ harmonic = 1, amplitude = 3.5e-3, phase = 1 }], []]\n\
-         encoder_latency = [1e-4, 0]\nsupply_resistance = 0.1",
+         encoder_latency = [1e-4, 0]\nsupply_resistance = 0.1\n\
+         pulley_run_out = [1.2e-3, 1e-3]\ntooth_mesh = [4e-4, 0]\n\
+         pen_friction = 0.25\npaper_growth = [5e-3, -1e-3]",
     );
     let Mismatch {
         link_length,
@@ -139,6 +141,10 @@ fn a_mismatch_is_read_and_its_keys_are_off_when_left_out() {
         encoder_error,
         encoder_latency,
         supply_resistance,
+        pulley_run_out,
+        tooth_mesh,
+        pen_friction,
+        paper_growth,
         ..
     } = whole.unwrap().mismatch;
     assert_eq!(link_length, [1e-4, -1e-4, 0.0, 5e-5]);
@@ -149,12 +155,16 @@ fn a_mismatch_is_read_and_its_keys_are_off_when_left_out() {
     assert_eq!(stiffness, Some([2500.0, 1250.0]));
     assert_eq!((drive_damping, backlash), ([0.02, 0.0], [1e-4, 0.0]));
     assert_eq!((stiction, encoder_latency), ([0.5, 0.2], [1e-4, 0.0]));
+    assert_eq!((pulley_run_out, tooth_mesh), ([1.2e-3, 1e-3], [4e-4, 0.0]));
+    assert_eq!((pen_friction, paper_growth), (0.25, [5e-3, -1e-3]));
     let [first, second] = encoder_error;
     assert_eq!((first.terms()[0].harmonic, second.terms().len()), (1, 0));
     let zeros = "link_length = [0, 0, 0, 0]\nbase_length = 0\nhome_error = [0, 0]\n\
                  torque_constant = [0, 0]\ntorque_ripple = [0, 0]\ncogging = [0, 0]\n\
                  drive_damping = [0, 0]\nbacklash = [0, 0]\nstiction = [0, 0]\n\
-                 encoder_error = [[], []]\nencoder_latency = [0, 0]\nsupply_resistance = 0";
+                 encoder_error = [[], []]\nencoder_latency = [0, 0]\nsupply_resistance = 0\n\
+                 pulley_run_out = [0, 0]\ntooth_mesh = [0, 0]\npen_friction = 0\n\
+                 paper_growth = [0, 0]";
     assert_eq!(scenario(zeros).unwrap().mismatch, Mismatch::default());
 }
 
@@ -177,6 +187,14 @@ fn a_mismatch_that_is_not_valid_is_refused_with_line_key_and_remedy() {
         ("base_length = -0.01", "-0.008 to 0.008 m, not -0.01"),
         ("encoder_latency = [0.0, 0.2]", "0 to 0.1 s, not 0.2"),
         ("supply_resistance = -1.0", "0 to 100 Ω, not -1.0"),
+        ("pulley_run_out = [-1e-3, 0.0]", "at least 0, not -0.001"),
+        ("pulley_run_out = [0.04, 0.0]", "0 to 0.03125 rad, not 0.04"),
+        (
+            "tooth_mesh = [0.0, 0.002]",
+            "0 to 0.001953125 rad, not 0.002",
+        ),
+        ("pen_friction = 11.0", "0 to 10 N, not 11.0"),
+        ("paper_growth = [0.0, 0.06]", "-0.05 to 0.05, not 0.06"),
         (
             "encoder_error = [[], [{ harmonic = 4, amplitude = 0.3 }]]",
             "below 1",
@@ -200,7 +218,11 @@ fn a_mismatch_that_is_not_valid_is_refused_with_line_key_and_remedy() {
         assert!(message.contains("not 99.0"), "{message}");
     }
     // An arm with ideal torque sources has no rotors.
-    for keys in ["stiffness = [2500.0, 2500.0]", "backlash = [1e-4, 0.0]"] {
+    for keys in [
+        "stiffness = [2500.0, 2500.0]",
+        "backlash = [1e-4, 0.0]",
+        "tooth_mesh = [1e-4, 0.0]",
+    ] {
         let message = scenario_on("usp_2dof", keys).unwrap_err();
         assert!(message.contains("give each [[actuator]]"), "{message}");
     }
@@ -215,6 +237,10 @@ fn what_hobby_servos_do_not_have_is_refused_with_its_line() {
             "and this arm has hobby servos: leave it out",
         ),
         ("supply_resistance = 0.1", "and this arm has hobby servos"),
+        (
+            "pulley_run_out = [1e-3, 0.0]",
+            "is of a belt between motor and joint, and a hobby servo has none",
+        ),
         (
             "[wiring]\nencoders_swapped = true",
             "is a mistake with brushed motors or steppers with encoders, and this arm has hobby servos: leave it out",
@@ -234,6 +260,20 @@ fn what_hobby_servos_do_not_have_is_refused_with_its_line() {
     }
     let keys = "home_error = [0.02, -0.02]\n[[fault]]\nat = 0.5\nkind = 'motor_stalled'\njoint = 4";
     scenario_on("classroom_servo", keys).unwrap();
+}
+
+#[test]
+fn drives_on_a_bus_have_the_mismatch_of_motors_and_belts_but_no_supply() {
+    let keys = "cogging = [0.06, 0.06]\ntorque_ripple = [0.02, 0.02]\nstiffness = [2e3, 2e3]\n\
+                drive_damping = [0.05, 0.05]\nbacklash = [1e-4, 1e-4]";
+    let mismatch = scenario_on("leg", keys).unwrap().mismatch;
+    assert_eq!(mismatch.stiffness, Some([2e3; 2]));
+    let message = scenario_on("leg", "supply_resistance = 0.1").unwrap_err();
+    assert!(message.contains("line 4: `supply_resistance`"), "{message}");
+    assert!(
+        message.contains("has drives on a CAN bus: leave it out"),
+        "{message}"
+    );
 }
 
 #[test]

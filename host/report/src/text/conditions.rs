@@ -79,10 +79,14 @@ fn effects(mismatch: &Mismatch) -> Vec<(&'static str, String)> {
         stiffness,
         drive_damping,
         backlash,
+        pulley_run_out,
+        tooth_mesh,
         stiction,
         encoder_error,
         encoder_latency,
         supply_resistance,
+        pen_friction,
+        paper_growth,
     } = mismatch;
     let stiffness = stiffness.unwrap_or_default();
     let harmonics = encoder_error.map(|error| {
@@ -106,10 +110,14 @@ fn effects(mismatch: &Mismatch) -> Vec<(&'static str, String)> {
         ("drive stiffness", each(&stiffness, "N·m/rad")),
         ("drive damping", each(drive_damping, "N·m·s/rad")),
         ("backlash", each(backlash, "rad")),
+        ("pulley run-out", each(pulley_run_out, "rad")),
+        ("tooth mesh", each(tooth_mesh, "rad")),
         ("stiction", percent(stiction)),
         ("encoder error", encoder_error),
         ("encoder latency", each(encoder_latency, "s")),
         ("supply resistance", each(&[*supply_resistance], "Ω")),
+        ("friction of the pen", each(&[*pen_friction], "N")),
+        ("growth of the paper", percent(paper_growth)),
     ];
     let on = all.into_iter();
     on.filter_map(|(name, value)| Some((name, value?)))
