@@ -1,6 +1,6 @@
 //! What a board is.
 //!
-//! A board is a folder here. It holds the drivers of its registers and its program, `image.rs`, which
+//! A board is a folder here. It holds the drivers of its registers and its program, which
 //!
 //! - gives the controller an [`ArmSample`] at each tick, and its [`ArmCommand`] to the drives or, where
 //!   the host steps the ticks, to the host;
@@ -10,9 +10,9 @@
 //!
 //! | folder | a tick comes from | samples and commands | settings |
 //! |---|---|---|---|
-//! | `stm32f405` | the PWM timer, 10 kHz | timers, converters, bridges | in flash |
-//! | `stm32f405/stepper`, an image of that board | a timer, 10 kHz | the steps made, step/dir drivers | in flash |
-//! | `stm32f405/can`, an image of that board | a timer, 1 kHz | frames of a CAN bus | in flash |
+//! | `stm32f405/brushed` | the PWM timer, 10 kHz | timers, converters, bridges | in flash |
+//! | `stm32f405/stepper` | a timer, 10 kHz | the steps made, step/dir drivers | in flash |
+//! | `stm32f405/can` | a timer, 1 kHz | frames of a CAN bus | in flash |
 //! | `emulated` | the host | frames | none |
 //!
 //! What a host has to know of a board stands where the host reads it: its name in

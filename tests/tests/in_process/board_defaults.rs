@@ -47,7 +47,8 @@ fn assert_named(code: &str, least: usize, texts: &[&str]) {
 fn the_wiring_names_every_pin_that_the_board_uses() {
     let code = concat!(
         include_str!("../../../firmware/src/board/stm32f405/pins.rs"),
-        include_str!("../../../firmware/src/board/stm32f405/pwm.rs"),
+        include_str!("../../../firmware/src/board/stm32f405/brushed/pins.rs"),
+        include_str!("../../../firmware/src/board/stm32f405/brushed/pwm.rs"),
     );
     let drawing = include_str!("../../../docs/use/wiring.svg");
     assert_named(code, 21, &[section("Pins"), section("Reset"), drawing]);
@@ -55,14 +56,20 @@ fn the_wiring_names_every_pin_that_the_board_uses() {
 
 #[test]
 fn the_wiring_of_steppers_names_every_pin_that_their_image_uses() {
-    let code = include_str!("../../../firmware/src/board/stm32f405/stepper/pins.rs");
+    let code = concat!(
+        include_str!("../../../firmware/src/board/stm32f405/pins.rs"),
+        include_str!("../../../firmware/src/board/stm32f405/stepper/pins.rs"),
+    );
     let drawing = include_str!("../../../docs/use/wiring-steppers.svg");
     assert_named(code, 16, &[section("Steppers"), drawing]);
 }
 
 #[test]
 fn the_wiring_of_drives_on_a_bus_names_every_pin_that_their_image_uses() {
-    let code = include_str!("../../../firmware/src/board/stm32f405/can/pins.rs");
+    let code = concat!(
+        include_str!("../../../firmware/src/board/stm32f405/pins.rs"),
+        include_str!("../../../firmware/src/board/stm32f405/can/pins.rs"),
+    );
     let drawing = include_str!("../../../docs/use/wiring-can.svg");
     assert_named(code, 9, &[section("Drives on a CAN bus"), drawing]);
 }

@@ -1,108 +1,55 @@
-//! The function of each pin: the table of `docs/use/wiring.md` as types.
+//! The pins that each image has, and what stands in the place of those that it does not have.
 //!
 //! Inputs that a cable leads to have the chip's own resistor, about 40 kΩ, so that a cable that is
 //! off gives a level and no noise: a quiet serial line, encoders that stand still, and an
 //! emergency stop that is pressed, even if its own resistor is missing. It is a pull-up but for the
-//! bridges' fault outputs, whose pull-ups are at the bridges: without its wire, the input is low, a
+//! drives' fault outputs, whose pull-ups are at the drives: without its wire, the input is low, a
 //! fault.
 
-use super::pwm;
-use crate::drivers::Inputs;
-use stm32f4xx_hal::gpio::{
-    Alternate, Analog, Input, Output, PA0, PA1, PA15, PB0, PB1, PB3, PB6, PB7, PB12, PB14, PB15,
-    PC0, PC1, PC2, PC4, PC5, PC6, PC7, PC8, PC9, PinPull, Pull,
-};
-use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
+use core::convert::Infallible;
+use embedded_hal::digital::{ErrorType, InputPin};
+use stm32f4xx_hal::gpio::{Alternate, Input, Output, PB6, PB7, PC6, PC7, PinPull, Pull};
 
-/// The home switches, the encoders' index outputs, the emergency stop and both bridges' fault outputs. The emergency
-/// stop is on the timer's break pin, which can also be read as an input.
-pub type Switches = Inputs<
-    PC4<Input>,
-    PC5<Input>,
-    PC8<Input>,
-    PC9<Input>,
-    PB12<Alternate<1>>,
-    PB0<Input>,
-    PB1<Input>,
->;
-
-/// The pins by their function.
-pub struct Pins {
-    /// Both bridges and the brake.
-    pub outputs: OutputPins,
-    /// Encoder of joint 1: A, B.
-    pub encoder1: (PA0<Alternate<2>>, PA1<Alternate<2>>),
-    /// Encoder of joint 4: A, B.
-    pub encoder4: (PA15<Alternate<1>>, PB3<Alternate<1>>),
-    /// Current 1, current 4, bus voltage.
-    pub analog: (PC0<Analog>, PC1<Analog>, PC2<Analog>),
-    /// Switches and fault outputs.
-    pub switches: Switches,
+/// The brake, the tool and the serial line.
+pub struct CommonPins {
+    /// Releases the brake when high; low.
+    pub brake: PC6<Output>,
     /// The tool's output, floating.
     pub tool: PC7<Input>,
     /// The serial line: out, in.
     pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
 }
 
-/// The pins of the outputs.
-pub struct OutputPins {
-    /// IN1 and IN2 of both bridges.
-    pub pwm: pwm::Pins,
-    /// Bridge 1's sleep input, low.
-    pub sleep1: PB14<Output>,
-    /// Bridge 4's sleep input, low.
-    pub sleep4: PB15<Output>,
-    /// Releases the brake when high; low.
-    pub brake: PC6<Output>,
-}
-
-impl Pins {
-    /// Gives each pin its function, the bridges' sleep inputs first: low, asleep.
-    pub fn new(a: GPIOA, b: GPIOB, c: GPIOC, rcc: &mut Rcc) -> Self {
-        let (a, b, c) = (a.split(rcc), b.split(rcc), c.split(rcc));
+impl CommonPins {
+    /// Gives each pin its function.
+    pub fn new(serial: (PB6, PB7), brake: PC6, tool: PC7) -> Self {
+        let (send, receive) = serial;
         Self {
-            outputs: OutputPins {
-                sleep1: b.pb14.into_push_pull_output(),
-                sleep4: b.pb15.into_push_pull_output(),
-                pwm: (
-                    a.pa8.into_alternate(),
-                    a.pa9.into_alternate(),
-                    a.pa10.into_alternate(),
-                    a.pa11.into_alternate(),
-                ),
-                brake: c.pc6.into_push_pull_output(),
-            },
-            encoder1: (
-                pulled_up(a.pa0.into_alternate()),
-                pulled_up(a.pa1.into_alternate()),
-            ),
-            encoder4: (
-                pulled_up(a.pa15.into_alternate()),
-                pulled_up(b.pb3.into_alternate()),
-            ),
-            analog: (
-                c.pc0.into_analog(),
-                c.pc1.into_analog(),
-                c.pc2.into_analog(),
-            ),
-            switches: Inputs {
-                home1: c.pc4.into_pull_up_input(),
-                home4: c.pc5.into_pull_up_input(),
-                index1: c.pc8.into_pull_up_input(),
-                index4: c.pc9.into_pull_up_input(),
-                emergency_stop: pulled_up(b.pb12.into_alternate()),
-                fault1: b.pb0.into_pull_down_input(),
-                fault4: b.pb1.into_pull_down_input(),
-            },
-            tool: c.pc7,
-            serial: (b.pb6.into_alternate(), pulled_up(b.pb7.into_alternate())),
+            brake: brake.into_push_pull_output(),
+            tool,
+            serial: (send.into_alternate(), pulled_up(receive.into_alternate())),
         }
     }
 }
 
+/// In the place of an input that the drives do not have: an index output without a pulse, a fault output without a fault.
+pub struct Level<const HIGH: bool>;
+
+impl<const HIGH: bool> ErrorType for Level<HIGH> {
+    type Error = Infallible;
+}
+
+impl<const HIGH: bool> InputPin for Level<HIGH> {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(HIGH)
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(!HIGH)
+    }
+}
+
 /// The pin with the chip's pull-up.
-fn pulled_up<Pin: PinPull>(pin: Pin) -> Pin {
+pub fn pulled_up<Pin: PinPull>(pin: Pin) -> Pin {
     pin.internal_resistor(Pull::Up)
 }

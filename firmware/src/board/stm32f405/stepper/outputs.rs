@@ -1,12 +1,11 @@
-//! The outputs of an actuator command for stepper drivers: pulses, directions and enables, the brake and the tool.
+//! The outputs of an actuator command for stepper drivers: pulses, directions and enables.
 
 use super::pins::OutputPins;
 use super::timers::StepTimers;
 use crate::ArmCommand;
-use crate::board::stm32f405::tool::ToolChannel;
 use crate::drivers::steps::StepAxis;
 use crate::drives::StepCommand;
-use stm32f4xx_hal::gpio::{Output, PA9, PB14, PB15, PC6, PC9};
+use stm32f4xx_hal::gpio::{Output, PA9, PB14, PB15, PC9};
 use stm32f4xx_hal::pac::{RCC, TIM1, TIM4, TIM8};
 
 /// The outputs.
@@ -18,16 +17,13 @@ pub struct Outputs {
     direction4: PC9<Output>,
     enable1: PB14<Output>,
     enable4: PB15<Output>,
-    brake: PC6<Output>,
-    tool: ToolChannel,
 }
 
 impl Outputs {
-    /// The outputs: no pulses, motors without power, brake engaged.
+    /// The outputs: no pulses, motors without power.
     pub fn new(
         (timer1, timer4, ticks): (TIM1, TIM8, &TIM4),
         pins: OutputPins,
-        tool: ToolChannel,
         rcc: &mut RCC,
     ) -> Self {
         Self {
@@ -37,8 +33,6 @@ impl Outputs {
             direction4: pins.direction4,
             enable1: pins.enable1,
             enable4: pins.enable4,
-            brake: pins.brake,
-            tool,
         }
     }
 
@@ -67,7 +61,5 @@ impl Outputs {
         let _ = self.enable4.set_state((!enable4).into());
         self.timers.power(enable1 || enable4);
         self.timers.prepare(pulses);
-        let _ = self.brake.set_state((!command.brake).into());
-        self.tool.set(command.tool);
     }
 }

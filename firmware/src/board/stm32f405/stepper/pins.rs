@@ -1,50 +1,37 @@
 //! The function of each pin with stepper drivers: the table of `docs/use/wiring.md` as types.
 //!
-//! The inputs' resistors are those of the image for brushed motors. The enables are low when a driver has power, and each driver has a
+//! The enables are low when a driver has power, and each driver has a
 //! resistor that pulls its enable high: while the chip is in reset, or its cable is off, the motors have no power.
 
+use crate::board::stm32f405::pins::{CommonPins, Level, pulled_up};
 use crate::drivers::Inputs;
-use core::convert::Infallible;
-use embedded_hal::digital::{ErrorType, InputPin};
 use stm32f4xx_hal::gpio::{
-    Alternate, Input, Output, PA6, PA8, PA9, PB0, PB1, PB6, PB7, PB12, PB14, PB15, PC4, PC5, PC6,
-    PC7, PC8, PC9, PinPull, PinState, Pull,
+    Alternate, Input, Output, PA6, PA8, PA9, PB0, PB1, PB12, PB14, PB15, PC4, PC5, PC8, PC9,
+    PinState,
 };
 use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
 /// The home switches, the emergency stop and both drivers' fault outputs.
-pub type Switches =
-    Inputs<PC4<Input>, PC5<Input>, NoPulse, NoPulse, PB12<Alternate<1>>, PB0<Input>, PB1<Input>>;
-
-/// In the place of an index output: a motor without an encoder has none.
-pub struct NoPulse;
-
-impl ErrorType for NoPulse {
-    type Error = Infallible;
-}
-
-impl InputPin for NoPulse {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(false)
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        Ok(true)
-    }
-}
+pub type Switches = Inputs<
+    PC4<Input>,
+    PC5<Input>,
+    Level<false>,
+    Level<false>,
+    PB12<Alternate<1>>,
+    PB0<Input>,
+    PB1<Input>,
+>;
 
 /// The pins by their function.
 pub struct Pins {
-    /// Both drivers and the brake.
+    /// Both drivers.
     pub outputs: OutputPins,
     /// Switches and fault outputs.
     pub switches: Switches,
-    /// The tool's output, floating.
-    pub tool: PC7<Input>,
-    /// The serial line: out, in.
-    pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
+    /// Those of each image.
+    pub common: CommonPins,
 }
 
 /// The pins of the outputs.
@@ -59,8 +46,6 @@ pub struct OutputPins {
     pub enable1: PB14<Output>,
     /// Enable of driver 4: low has power; high.
     pub enable4: PB15<Output>,
-    /// Releases the brake when high; low.
-    pub brake: PC6<Output>,
 }
 
 impl Pins {
@@ -78,24 +63,17 @@ impl Pins {
                 ),
                 direction1: a.pa9.into_push_pull_output(),
                 direction4: c.pc9.into_push_pull_output(),
-                brake: c.pc6.into_push_pull_output(),
             },
             switches: Inputs {
                 home1: c.pc4.into_pull_up_input(),
                 home4: c.pc5.into_pull_up_input(),
-                index1: NoPulse,
-                index4: NoPulse,
+                index1: Level,
+                index4: Level,
                 emergency_stop: pulled_up(b.pb12.into_alternate()),
                 fault1: b.pb0.into_pull_down_input(),
                 fault4: b.pb1.into_pull_down_input(),
             },
-            tool: c.pc7,
-            serial: (b.pb6.into_alternate(), pulled_up(b.pb7.into_alternate())),
+            common: CommonPins::new((b.pb6, b.pb7), c.pc6, c.pc7),
         }
     }
-}
-
-/// The pin with the chip's pull-up.
-fn pulled_up<Pin: PinPull>(pin: Pin) -> Pin {
-    pin.internal_resistor(Pull::Up)
 }
