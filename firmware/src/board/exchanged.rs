@@ -1,9 +1,9 @@
 //! The controller in its place in RAM, which the tick and the session share.
 
-use super::SharedController;
 use crate::ArmController;
 use crate::drives::{BrushedDrives, Drives};
 use crate::safety::State;
+use crate::session::SharedController;
 use crate::settings::CheckedSettings;
 use core::mem::{self, MaybeUninit};
 use rtic_core::Mutex;

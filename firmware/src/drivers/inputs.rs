@@ -73,13 +73,13 @@ impl<
     /// A sensor sample: these counts, what the drives sense, and what the inputs show. `missed_ticks` is the number of ticks
     /// missed since the last one; `stopped` is an emergency stop that the button no longer shows.
     #[inline]
-    pub fn sample<Sensed>(
+    pub fn sample<T>(
         &mut self,
         counts: [i32; 2],
-        drives: Sensed,
+        drives: T,
         missed_ticks: u32,
         stopped: bool,
-    ) -> ArmSample<Sensed> {
+    ) -> ArmSample<T> {
         ArmSample {
             counts,
             drives,

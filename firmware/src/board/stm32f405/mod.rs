@@ -11,6 +11,7 @@ pub mod can;
 pub mod clocks;
 pub mod crystal;
 pub mod cycles;
+pub mod gpio;
 pub mod halt;
 pub mod image;
 pub mod log;

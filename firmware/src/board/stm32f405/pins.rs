@@ -6,30 +6,42 @@
 //! drives' fault outputs, whose pull-ups are at the drives: without its wire, the input is low, a
 //! fault.
 
+use super::gpio::{self, In, Out, Resistor};
+use crate::drivers::boards::{BUILT, CommonPins, Peripheral};
 use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, InputPin};
-use stm32f4xx_hal::gpio::{Alternate, Input, Output, PB6, PB7, PC6, PC7, PinPull, Pull};
 
-/// The brake, the tool and the serial line.
-pub struct CommonPins {
-    /// Releases the brake when high; low.
-    pub brake: PC6<Output>,
-    /// The tool's output, floating.
-    pub tool: PC7<Input>,
-    /// The serial line: out, in.
-    pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
+/// The pins of this board.
+pub const PINS: CommonPins = BUILT.common;
+
+/// Home switch 1.
+pub type Home1 = In<{ PINS.home[0].0 }>;
+/// Home switch 4.
+pub type Home4 = In<{ PINS.home[1].0 }>;
+/// The emergency stop. A timer's break pin can also be read as an input.
+pub type Stop = In<{ PINS.stop.0 }>;
+/// Releases the brake when high.
+pub type Brake = Out<{ PINS.brake.0 }>;
+
+/// Gives the brake's pin and those of the serial line their functions; the brake is engaged.
+pub fn set_up() -> Brake {
+    let [send, receive] = PINS.serial;
+    let brake = gpio::output(false);
+    gpio::connect(send, Peripheral::Usart1Send, Resistor::None);
+    gpio::connect(receive, Peripheral::Usart1Receive, Resistor::Up);
+    brake
 }
 
-impl CommonPins {
-    /// Gives each pin its function.
-    pub fn new(serial: (PB6, PB7), brake: PC6, tool: PC7) -> Self {
-        let (send, receive) = serial;
-        Self {
-            brake: brake.into_push_pull_output(),
-            tool,
-            serial: (send.into_alternate(), pulled_up(receive.into_alternate())),
-        }
-    }
+/// The home switches.
+pub fn home() -> (Home1, Home4) {
+    (gpio::input(Resistor::Up), gpio::input(Resistor::Up))
+}
+
+/// The emergency stop, also TIM1's break input.
+pub fn stop_with_break() -> Stop {
+    let stop = gpio::input(Resistor::Up);
+    gpio::connect(PINS.stop, Peripheral::Tim1Break, Resistor::Up);
+    stop
 }
 
 /// In the place of an input that the drives do not have: an index output without a pulse, a fault output without a fault.
@@ -47,9 +59,4 @@ impl<const HIGH: bool> InputPin for Level<HIGH> {
     fn is_low(&mut self) -> Result<bool, Infallible> {
         Ok(!HIGH)
     }
-}
-
-/// The pin with the chip's pull-up.
-pub fn pulled_up<Pin: PinPull>(pin: Pin) -> Pin {
-    pin.internal_resistor(Pull::Up)
 }

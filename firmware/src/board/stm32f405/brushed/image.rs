@@ -8,17 +8,26 @@
 )]
 
 use defmt_rtt as _;
+use fivebar_firmware::board::stm32f405::brushed::pins::PINS;
+use fivebar_firmware::board::stm32f405::brushed::pwm::SLEEP_PINS;
+use fivebar_firmware::board::stm32f405::gpio::set_reset;
+use fivebar_firmware::drivers::boards::BUILT;
+
+const _: () = if let Err(reason) = BUILT.brushed {
+    panic!("{}", reason);
+};
 
 fivebar_firmware::image! {
     parts: fivebar_firmware::board::stm32f405::brushed::Brushed,
-    peripherals: (GPIOA, GPIOB, GPIOC, TIM1, TIM2, TIM5, TIM8, ADC1, ADC2, ADC_COMMON),
+    peripherals: (TIM1, TIM2, TIM5, TIM8, ADC1, ADC2, ADC_COMMON),
     // At the end of the converter's sequence.
     tick: ADC,
     before_stack: [
-        // GPIOB_BSRR: PB14 and PB15 low.
-        "movw r0, #0x0418",
-        "movt r0, #0x4002",
-        "mov r1, #0xc0000000",
+        // GPIO_BSRR: the sleep inputs low.
+        "movw r0, #{low_half}",
+        "movt r0, #{high_half}",
+        "mov r1, #0",
+        "movt r1, #{sleep}",
         "str r1, [r0]",
         // TIM1_BDTR: MOE off.
         "movw r0, #0x0044",
@@ -26,6 +35,11 @@ fivebar_firmware::image! {
         "ldr r1, [r0]",
         "bic r1, r1, #0x8000",
         "str r1, [r0]"
+    ],
+    operands: [
+        low_half = const set_reset(PINS.sleep[0]) & 0xffff,
+        high_half = const set_reset(PINS.sleep[0]) >> 16,
+        sleep = const SLEEP_PINS,
     ],
     tasks: {
         use core::sync::atomic::Ordering;

@@ -12,7 +12,6 @@ pub mod sensors;
 
 use super::clocks::{self, Source};
 use super::image::Parts;
-use super::pins::CommonPins;
 use super::post_mortem::{EndCause, reset_after};
 use super::services::OnBoard;
 use crate::drives::BrushedDrives;
@@ -23,9 +22,8 @@ use analog::CurrentsAndBus;
 use cortex_m::peripheral::SYST;
 use encoders::Encoders;
 use outputs::BoardOutputs;
-use pins::Pins;
 use sensors::Sensors;
-use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC2, GPIOA, GPIOB, GPIOC, TIM1, TIM2, TIM5, TIM8};
+use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC2, TIM1, TIM2, TIM5, TIM8};
 use stm32f4xx_hal::rcc::Rcc;
 
 impl OnBoard for BrushedDrives {
@@ -40,39 +38,23 @@ pub struct Brushed {
 
 impl Parts for Brushed {
     type Drives = BrushedDrives;
-    type Peripherals = (
-        GPIOA,
-        GPIOB,
-        GPIOC,
-        TIM1,
-        TIM2,
-        TIM5,
-        TIM8,
-        ADC1,
-        ADC2,
-        ADC_COMMON,
-    );
+    type Peripherals = (TIM1, TIM2, TIM5, TIM8, ADC1, ADC2, ADC_COMMON);
     const BOARD: Board = Board::Stm32f405;
     const TICK_CYCLES: u32 = pwm::TICK_CYCLES;
 
     fn new(
-        (a, b, c, pwm, encoder4, encoder1, latch, adc1, adc2, common): Self::Peripherals,
+        (pwm, encoder4, encoder1, latch, adc1, adc2, common): Self::Peripherals,
         _: Source,
         rcc: &mut Rcc,
-    ) -> (Self, CommonPins) {
-        let pins = Pins::new(a, b, c, rcc);
-        let outputs = BoardOutputs::new(pwm, pins.outputs, rcc);
+    ) -> Self {
+        let (sleep, switches) = pins::set_up();
+        let outputs = BoardOutputs::new(pwm, sleep, rcc);
         let sensors = Sensors {
-            encoders: Encoders::new(
-                (encoder1, pins.encoder1),
-                (encoder4, pins.encoder4),
-                latch,
-                rcc,
-            ),
-            analog: CurrentsAndBus::new((adc1, adc2), &common, pins.analog, rcc),
-            switches: pins.switches,
+            encoders: Encoders::new(&encoder1, &encoder4, &latch, rcc),
+            analog: CurrentsAndBus::new((adc1, adc2), &common, rcc),
+            switches,
         };
-        (Self { sensors, outputs }, pins.common)
+        Self { sensors, outputs }
     }
 
     fn start(source: Source, systick: &mut SYST) {

@@ -10,19 +10,24 @@
 )]
 
 use defmt_rtt as _;
+use fivebar_firmware::drivers::boards::BUILT;
+
+const _: () = if let Err(reason) = BUILT.can {
+    panic!("{}", reason);
+};
 
 fivebar_firmware::image! {
     parts: fivebar_firmware::board::stm32f405::can::Can,
-    peripherals: (GPIOB, GPIOC, TIM5, CAN1),
+    peripherals: (TIM5, CAN1),
     tick: TIM5,
     // The drives are stopped by frames, which need a stack.
-    before_stack: [],
+    before_stack: [], operands: [],
     tasks: {
         /// A frame has gone over the bus, or was taken back: there is room for the next one of the tick. It comes before the
         /// frames in the other two mailboxes are over, in 0.2 ms.
-        #[task(binds = CAN1_TX, priority = 3, shared = [ticked])]
+        #[task(binds = CAN1_TX, priority = 3, shared = [locked])]
         fn sent(mut cx: sent::Context) {
-            cx.shared.ticked.lock(|ticked| ticked.parts.bus.fill());
+            cx.shared.locked.lock(|locked| locked.parts.bus.fill());
         }
     }
 }

@@ -10,8 +10,7 @@ pub mod timer;
 
 use super::clocks::Source;
 use super::image::Parts;
-use super::image::shared::Ticked;
-use super::pins::CommonPins;
+use super::image::shared::Locked;
 use super::post_mortem::EndCause;
 use super::services::OnBoard;
 use crate::drives::{TorqueDrives, TorqueSample, TorqueSetPoint};
@@ -21,9 +20,9 @@ use crate::{ArmCommand, ArmSample};
 use bus::Bus;
 use bxcan::BxCan;
 use cortex_m::peripheral::SYST;
-use pins::{Pins, Switches};
+use pins::Switches;
 use rtic_core::Mutex;
-use stm32f4xx_hal::pac::{CAN1, GPIOB, GPIOC, TIM5};
+use stm32f4xx_hal::pac::{CAN1, TIM5};
 use stm32f4xx_hal::rcc::Rcc;
 
 impl OnBoard for TorqueDrives {
@@ -39,28 +38,23 @@ pub struct Can {
 
 impl Parts for Can {
     type Drives = TorqueDrives;
-    type Peripherals = (GPIOB, GPIOC, TIM5, CAN1);
+    type Peripherals = (TIM5, CAN1);
     const BOARD: Board = Board::Stm32f405Can;
     const TICK_CYCLES: u32 = timer::TICK_CYCLES;
 
-    fn new(
-        (b, c, ticks, can): Self::Peripherals,
-        source: Source,
-        rcc: &mut Rcc,
-    ) -> (Self, CommonPins) {
-        let pins = Pins::new(b, c, rcc);
+    fn new((ticks, can): Self::Peripherals, source: Source, rcc: &mut Rcc) -> Self {
+        let switches = pins::set_up();
         timer::set_up(&ticks, rcc);
-        let can = BxCan::new(can, pins.bus, source == Source::Crystal, rcc);
-        let parts = Self {
-            switches: pins.switches,
+        let can = BxCan::new(can, source == Source::Crystal, rcc);
+        Self {
+            switches,
             bus: Bus::place(can),
-        };
-        (parts, pins.common)
+        }
     }
 
-    fn use_settings(ticked: &mut impl Mutex<T = Ticked<Self>>, settings: &CheckedSettings) {
+    fn use_settings(locked: &mut impl Mutex<T = Locked<Self>>, settings: &CheckedSettings) {
         bus::use_settings(settings, |link, setup| {
-            ticked.lock(|ticked| ticked.parts.bus.use_link(link, setup));
+            locked.lock(|locked| locked.parts.bus.use_link(link, setup));
         });
     }
 

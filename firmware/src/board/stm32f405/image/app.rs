@@ -9,7 +9,7 @@ macro_rules! image {
         parts: $parts:ty,
         peripherals: ($($peripheral:ident),*),
         tick: $tick:ident,
-        before_stack: [$($instruction:literal),*],
+        before_stack: [$($instruction:literal),*], operands: [$($operand:tt)*],
         tasks: { $($tasks:tt)* }
     ) => {
         #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
@@ -19,9 +19,9 @@ macro_rules! image {
             use $crate::board::exchanged::Place;
             use $crate::board::stm32f405::cycles::CycleMeter;
             use $crate::board::stm32f405::image::start::{self, CommonPeripherals, Image, Places};
-            use $crate::board::stm32f405::image::tasks::{self, Conversation};
+            use $crate::board::stm32f405::image::tasks::{self, Idle};
             use $crate::board::stm32f405::image::Parts;
-            use $crate::board::stm32f405::image::shared::Ticked;
+            use $crate::board::stm32f405::image::shared::Locked;
             use $crate::board::stm32f405::outputs::CommonOutputs;
             use $crate::board::stm32f405::serial::{Buffers, Receiver};
             use $crate::planner::Planner;
@@ -30,7 +30,7 @@ macro_rules! image {
 
             #[shared]
             struct Shared {
-                ticked: Ticked<$parts>,
+                locked: Locked<$parts>,
             }
 
             #[local]
@@ -39,7 +39,7 @@ macro_rules! image {
                 outputs: CommonOutputs,
                 receiver: Receiver,
                 arrived: Producer<'static, HostMessage>,
-                conversation: Conversation<$parts>,
+                idle: Idle<$parts>,
             }
 
             #[init(local = [
@@ -70,27 +70,27 @@ macro_rules! image {
                 };
                 let own = ($(device.$peripheral),*);
                 let Image {
-                    ticked,
+                    locked,
                     meter,
                     outputs,
                     receiver,
                     arrived,
-                    conversation,
+                    idle,
                 } = start::start::<$parts>(common, own, cx.core, places);
                 let local = Local {
                     meter,
                     outputs,
                     receiver,
                     arrived,
-                    conversation,
+                    idle,
                 };
-                (Shared { ticked }, local)
+                (Shared { locked }, local)
             }
 
-            #[task(binds = $tick, priority = 3, shared = [ticked], local = [meter, outputs])]
+            #[task(binds = $tick, priority = 3, shared = [locked], local = [meter, outputs])]
             fn tick(mut cx: tick::Context) {
                 let local = cx.local;
-                cx.shared.ticked.lock(|ticked| tasks::tick(local.meter, local.outputs, ticked));
+                cx.shared.locked.lock(|locked| tasks::tick(local.meter, local.outputs, locked));
             }
 
             #[task(binds = USART1, priority = 2, local = [
@@ -103,9 +103,9 @@ macro_rules! image {
                 tasks::receive(local.receiver, local.arrived, local.decoder);
             }
 
-            #[idle(shared = [ticked], local = [conversation])]
+            #[idle(shared = [locked], local = [idle])]
             fn converse(cx: converse::Context) -> ! {
-                cx.local.conversation.run(cx.shared.ticked)
+                cx.local.idle.run(cx.shared.locked)
             }
 
             $($tasks)*
@@ -128,6 +128,7 @@ macro_rules! image {
                 "movt r0, #:upper16:_stack_start",
                 "msr msp, r0",
                 "b {after}",
+                $($operand)*
                 after = sym after_hard_fault,
             )
         }

@@ -17,9 +17,8 @@ pub mod shared;
 pub mod start;
 pub mod tasks;
 
-use self::shared::Ticked;
+use self::shared::Locked;
 use super::clocks::{self, Source};
-use super::pins::CommonPins;
 use super::post_mortem::EndCause;
 use super::services::OnBoard;
 use super::{serial, tool};
@@ -53,11 +52,11 @@ pub trait Parts: Sized + Send + 'static {
     /// Cycles of the core from one tick to the next.
     const TICK_CYCLES: u32;
 
-    /// Sets pins and peripherals up, the drives without power first. `source` is what the core runs from.
-    fn new(own: Self::Peripherals, source: Source, rcc: &mut Rcc) -> (Self, CommonPins);
+    /// Sets its pins and peripherals up, the drives without power first. `source` is what the core runs from.
+    fn new(own: Self::Peripherals, source: Source, rcc: &mut Rcc) -> Self;
 
     /// Takes from settings what the drives need to know: at the start, and when new ones are put to use.
-    fn use_settings(_ticked: &mut impl Mutex<T = Ticked<Self>>, _settings: &CheckedSettings) {}
+    fn use_settings(_locked: &mut impl Mutex<T = Locked<Self>>, _settings: &CheckedSettings) {}
 
     /// Lets the ticks begin. Called once, when interrupts are enabled: the first one then begins in time.
     fn start(source: Source, systick: &mut SYST);

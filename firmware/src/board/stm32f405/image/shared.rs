@@ -7,7 +7,7 @@ use crate::settings::CheckedSettings;
 use rtic_core::Mutex;
 
 /// What the tick has, under one lock: each one more would cost it cycles.
-pub struct Ticked<P: Parts> {
+pub struct Locked<P: Parts> {
     /// The controller in use.
     pub controller: &'static mut ArmController<P::Drives>,
     /// The parts for its drives.
@@ -16,7 +16,7 @@ pub struct Ticked<P: Parts> {
     pub sample: Sample<P>,
 }
 
-impl<P: Parts> Guarded<P::Drives> for Ticked<P> {
+impl<P: Parts> Guarded<P::Drives> for Locked<P> {
     fn controller(&mut self) -> &mut &'static mut ArmController<P::Drives> {
         &mut self.controller
     }

@@ -1,9 +1,8 @@
 //! The start of an image: from the reset to the first tick.
 
-use super::shared::Ticked;
-use super::tasks::Conversation;
+use super::shared::Locked;
+use super::tasks::Idle;
 use super::{CLOCK_FAILED, Parts, crystal_failed};
-use crate::board::Board;
 use crate::board::exchanged::Place;
 use crate::board::stm32f405::clocks::{self, Source};
 use crate::board::stm32f405::cycles::CycleMeter;
@@ -11,10 +10,10 @@ use crate::board::stm32f405::log::EventLog;
 use crate::board::stm32f405::outputs::CommonOutputs;
 use crate::board::stm32f405::self_test::Started;
 use crate::board::stm32f405::services::{self, BoardServices, OnBoard};
-use crate::board::stm32f405::{brown_out, halt, post_mortem, serial, tool};
+use crate::board::stm32f405::{brown_out, halt, pins, post_mortem, serial, tool};
 use crate::planner::Planner;
 use crate::protocol::{HostMessage, Identity};
-use crate::session::{self, Session, fault_at_start};
+use crate::session::{self, Board, Session, fault_at_start};
 use crate::{ArmController, ArmSample};
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
@@ -48,7 +47,7 @@ pub struct Places<P: Parts> {
 /// What the tasks have.
 pub struct Image<P: Parts> {
     /// Shared by the tick, the tasks of the drives alone, and the session.
-    pub ticked: Ticked<P>,
+    pub locked: Locked<P>,
     /// The tick's.
     pub meter: CycleMeter,
     /// The tick's.
@@ -58,7 +57,7 @@ pub struct Image<P: Parts> {
     /// The serial line's: what the bytes say, for the session.
     pub arrived: Producer<'static, HostMessage>,
     /// The idle task's.
-    pub conversation: Conversation<P>,
+    pub idle: Idle<P>,
 }
 
 /// Starts the image. Interrupts are masked.
@@ -81,12 +80,12 @@ pub fn start<P: Parts>(
             clocks.crystal
         );
     }
-    let (parts, pins) = P::new(own, source, &mut rcc);
-    let (tool_timer, tool) = tool::new(common.tool_timer, pins.tool, source.tool_timer(), &mut rcc);
+    let parts = P::new(own, source, &mut rcc);
+    let brake = pins::set_up();
+    let (tool_timer, tool) = tool::new(common.tool_timer, source.tool_timer(), &mut rcc);
     let (receiver, sender) = serial::new(
         &common.usart,
         &common.dma,
-        pins.serial,
         places.buffers,
         source.second_bus(),
         &mut rcc,
@@ -118,13 +117,13 @@ pub fn start<P: Parts>(
     if let Some(fault) = fault_at_start(crystal_runs, reset, missing) {
         controller.latch_fault(fault);
     }
-    let mut ticked = Ticked {
+    let mut locked = Locked {
         controller,
         parts,
         sample: ArmSample::default(),
     };
-    P::use_settings(&mut Exclusive(&mut ticked), settings);
-    let conversation = Conversation {
+    P::use_settings(&mut Exclusive(&mut locked), settings);
+    let idle = Idle {
         commands,
         sender,
         spare: ArmController::place(spare, settings),
@@ -140,14 +139,11 @@ pub fn start<P: Parts>(
         crystal_failed::<P>();
     }
     Image {
-        ticked,
+        locked,
         meter: CycleMeter::new(&mut core.DCB, &mut core.DWT),
-        outputs: CommonOutputs {
-            brake: pins.brake,
-            tool,
-        },
+        outputs: CommonOutputs { brake, tool },
         receiver,
         arrived,
-        conversation,
+        idle,
     }
 }

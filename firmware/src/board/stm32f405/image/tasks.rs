@@ -1,6 +1,6 @@
 //! What the tasks of each image do.
 
-use super::shared::Ticked;
+use super::shared::Locked;
 use super::{CLOCK_FAILED, Parts, STOP};
 use crate::board::exchanged::Exchanged;
 use crate::board::stm32f405::clocks::Source;
@@ -22,12 +22,12 @@ use rtic_core::Mutex;
 
 /// The control tick.
 #[inline(always)]
-pub fn tick<P: Parts>(meter: &mut CycleMeter, outputs: &mut CommonOutputs, ticked: &mut Ticked<P>) {
-    let Ticked {
+pub fn tick<P: Parts>(meter: &mut CycleMeter, outputs: &mut CommonOutputs, locked: &mut Locked<P>) {
+    let Locked {
         controller,
         parts,
         sample,
-    } = ticked;
+    } = locked;
     let waited = parts.begin();
     let missed = meter.missed(P::TICK_CYCLES);
     meter.measure(waited, || {
@@ -70,7 +70,7 @@ pub fn receive(
 
 /// What the idle task has.
 #[allow(missing_docs, reason = "each is named after what it is")]
-pub struct Conversation<P: Parts> {
+pub struct Idle<P: Parts> {
     pub commands: Consumer<'static, HostMessage>,
     pub sender: Sender,
     pub spare: &'static mut ArmController<P::Drives>,
@@ -82,21 +82,21 @@ pub struct Conversation<P: Parts> {
     pub systick: SYST,
 }
 
-impl<P: Parts> Conversation<P> {
+impl<P: Parts> Idle<P> {
     /// Talks with the host, plans, and feeds the watchdog, with the lock of what the tick has.
     #[inline(always)]
-    pub fn run(&mut self, ticked: impl Mutex<T = Ticked<P>>) -> ! {
+    pub fn run(&mut self, locked: impl Mutex<T = Locked<P>>) -> ! {
         P::start(self.source, &mut self.systick);
         let mut shared = Exchanged {
-            lock: ticked,
+            lock: locked,
             spare: &mut self.spare,
         };
         let controller = &mut shared;
         loop {
             if let Some(message) = self.commands.dequeue() {
-                self.services.sample = controller.lock.lock(|ticked| {
-                    let sample = &ticked.sample;
-                    let words = ticked.controller.drives().sensed_words(&sample.drives);
+                self.services.sample = controller.lock.lock(|locked| {
+                    let sample = &locked.sample;
+                    let words = locked.controller.drives().sensed_words(&sample.drives);
                     sample.with_drives(words)
                 });
                 let (session, services) = (&mut *self.session, &mut self.services);

@@ -8,17 +8,25 @@
 )]
 
 use defmt_rtt as _;
+use fivebar_firmware::board::stm32f405::gpio::set_reset;
+use fivebar_firmware::board::stm32f405::stepper::pins::PINS;
+use fivebar_firmware::board::stm32f405::stepper::timers::ENABLE_PINS;
+use fivebar_firmware::drivers::boards::BUILT;
+
+const _: () = if let Err(reason) = BUILT.stepper {
+    panic!("{}", reason);
+};
 
 fivebar_firmware::image! {
     parts: fivebar_firmware::board::stm32f405::stepper::Stepper,
-    peripherals: (GPIOA, GPIOB, GPIOC, TIM1, TIM8, TIM4),
+    peripherals: (TIM1, TIM8, TIM4),
     // At the update that starts the pulses.
     tick: TIM4,
     before_stack: [
-        // GPIOB_BSRR: PB14 and PB15 high.
-        "movw r0, #0x0418",
-        "movt r0, #0x4002",
-        "mov r1, #0xc000",
+        // GPIO_BSRR: the enables high.
+        "movw r0, #{low_half}",
+        "movt r0, #{high_half}",
+        "movw r1, #{enable}",
         "str r1, [r0]",
         // TIM1_BDTR: MOE off.
         "movw r0, #0x0044",
@@ -32,6 +40,11 @@ fivebar_firmware::image! {
         "ldr r1, [r0]",
         "bic r1, r1, #0x8000",
         "str r1, [r0]"
+    ],
+    operands: [
+        low_half = const set_reset(PINS.enable[0]) & 0xffff,
+        high_half = const set_reset(PINS.enable[0]) >> 16,
+        enable = const ENABLE_PINS,
     ],
     tasks: {
         use core::sync::atomic::Ordering;

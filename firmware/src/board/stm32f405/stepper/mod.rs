@@ -9,7 +9,6 @@ pub mod timers;
 
 use super::clocks::Source;
 use super::image::Parts;
-use super::pins::CommonPins;
 use super::post_mortem::{EndCause, reset_after};
 use super::services::OnBoard;
 use crate::drives::{StepCommand, StepDrives, StepSample};
@@ -18,8 +17,8 @@ use crate::settings::BoardLimits;
 use crate::{ArmCommand, ArmSample};
 use cortex_m::peripheral::SYST;
 use outputs::Outputs;
-use pins::{Pins, Switches};
-use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC, TIM1, TIM4, TIM8};
+use pins::Switches;
+use stm32f4xx_hal::pac::{TIM1, TIM4, TIM8};
 use stm32f4xx_hal::rcc::Rcc;
 
 impl OnBoard for StepDrives {
@@ -34,21 +33,16 @@ pub struct Stepper {
 
 impl Parts for Stepper {
     type Drives = StepDrives;
-    type Peripherals = (GPIOA, GPIOB, GPIOC, TIM1, TIM8, TIM4);
+    type Peripherals = (TIM1, TIM8, TIM4);
     const BOARD: Board = Board::Stm32f405Stepper;
     const TICK_CYCLES: u32 = timers::TICK_CYCLES;
 
-    fn new(
-        (a, b, c, timer1, timer4, ticks): Self::Peripherals,
-        _: Source,
-        rcc: &mut Rcc,
-    ) -> (Self, CommonPins) {
-        let pins = Pins::new(a, b, c, rcc);
-        let parts = Self {
-            switches: pins.switches,
-            outputs: Outputs::new((timer1, timer4, &ticks), pins.outputs, rcc),
-        };
-        (parts, pins.common)
+    fn new(timers: Self::Peripherals, _: Source, rcc: &mut Rcc) -> Self {
+        let (outputs, switches) = pins::set_up();
+        Self {
+            switches,
+            outputs: Outputs::new(timers, outputs, rcc),
+        }
     }
 
     fn start(_: Source, _: &mut SYST) {
