@@ -141,7 +141,6 @@ pub const BOARDS: [Board; 6] = [
         can: Ok(CanPins {
             bus: [p(b'D', 0), p(b'D', 1)],
         }),
-        ..REFERENCE
     },
 ];
 
