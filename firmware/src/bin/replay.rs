@@ -55,7 +55,7 @@ struct Replay {
     counter: InstructionCounter,
 }
 
-impl fivebar_firmware::board::Board for Replay {
+impl fivebar_firmware::session::Board for Replay {
     fn save(&mut self, _: &Settings) -> Result<(), StorageError> {
         Err(StorageError::Flash)
     }

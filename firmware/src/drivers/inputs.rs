@@ -5,6 +5,7 @@
 //! weaker pull-down at the controller, so open is low, a fault; an index that stays high has no
 //! pulse. See `docs/use/wiring.md`.
 
+use crate::ArmSample;
 use embedded_hal::digital::InputPin;
 
 /// Reads the two home switches, both index outputs, the emergency stop and both fault outputs.
@@ -67,6 +68,27 @@ impl<
             self.fault1.is_low().unwrap_or(true),
             self.fault4.is_low().unwrap_or(true),
         ]
+    }
+
+    /// A sensor sample: these counts, what the drives sense, and what the inputs show. `missed_ticks` is the number of ticks
+    /// missed since the last one; `stopped` is an emergency stop that the button no longer shows.
+    #[inline]
+    pub fn sample<T>(
+        &mut self,
+        counts: [i32; 2],
+        drives: T,
+        missed_ticks: u32,
+        stopped: bool,
+    ) -> ArmSample<T> {
+        ArmSample {
+            counts,
+            drives,
+            home: self.home(),
+            index: self.index(),
+            emergency_stop: self.emergency_stop() || stopped,
+            driver_fault: self.driver_fault(),
+            missed_ticks,
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 //! give the clock. They run on any board and
 //! are tested on a desktop.
 
+pub mod boards;
 mod bridge;
 pub mod crystal;
 mod inputs;

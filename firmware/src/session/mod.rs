@@ -4,10 +4,10 @@
 //! and the controller is locked only for single accesses, so the tick waits a few microseconds at
 //! most.
 
+mod board;
 mod sampler;
 mod start;
 
-use crate::board::{Board, SharedController};
 use crate::controller::{self, ArmController};
 use crate::drives::{BrushedCommand, Drives};
 use crate::planner::Planner;
@@ -18,6 +18,7 @@ use crate::protocol::{
 use crate::safety::{Fault, Response, State};
 use crate::settings::CheckedSettings;
 use crate::{Request, Settings};
+pub use board::{Board, SharedController};
 use core::mem::MaybeUninit;
 use rtic_core::Mutex;
 use sampler::Sampler;

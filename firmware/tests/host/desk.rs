@@ -1,13 +1,13 @@
 //! A session and its controller; frames go in and out.
 
 use crate::rig;
-use fivebar_firmware::board::Board;
 use fivebar_firmware::controller::Controller;
 use fivebar_firmware::protocol::{Board as Kind, Reset};
 use fivebar_firmware::protocol::{
     ControllerMessage, Decoder, Frame, HostCommand, HostMessage, Identity, Reply, Sequence, VERSION,
 };
 use fivebar_firmware::recorder::{Log, Recorder};
+use fivebar_firmware::session::Board;
 use fivebar_firmware::session::Session;
 use fivebar_firmware::settings::{BoardLimits, CheckedSettings};
 use fivebar_firmware::storage::StorageError;

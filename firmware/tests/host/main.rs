@@ -11,6 +11,7 @@ mod messages;
 mod moves;
 mod sections;
 
+mod boards_document;
 mod frames;
 mod garbage;
 mod handing_over;

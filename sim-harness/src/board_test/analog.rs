@@ -161,7 +161,7 @@ pub(super) fn inputs<L: Read + Write>(bench: &mut Bench<'_, L>) -> Result<Vec<Ro
         let (why, remedy) = match others.first() {
             Some(other) => (
                 format!("{} to ground moves the code of {other}", channel.pin),
-                "compare the wires of PC0, PC1 and PC2, and the sequences in firmware/src/board/stm32f405/analog.rs",
+                "compare the wires of PC0, PC1 and PC2, and the sequences in firmware/src/board/stm32f405/brushed/analog.rs",
             ),
             None => (
                 format!(

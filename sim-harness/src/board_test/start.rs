@@ -79,7 +79,7 @@ pub(super) fn tick_period<L: Read + Write>(bench: &mut Bench<'_, L>) -> Result<R
     let limit = Limit::new(
         "tick period",
         "16,800 cycles of the core ± 0.1 %",
-        "168 MHz / 10 kHz (firmware/src/board/stm32f405/pwm.rs)",
+        "168 MHz / 10 kHz (firmware/src/board/stm32f405/brushed/pwm.rs)",
     );
     let Some(before) = bench.facts()?.filter(runs_from_crystal) else {
         return Ok(limit.not_seen("the core runs from the internal oscillator", FIT_CRYSTAL));
@@ -97,7 +97,7 @@ pub(super) fn tick_period<L: Read + Write>(bench: &mut Bench<'_, L>) -> Result<R
             "the PWM's timer starts a tick every {period:.0} cycles, at {:.2} kHz",
             168e3 / period
         ),
-        "compare the timer's clock and period with firmware/src/board/stm32f405/pwm.rs",
+        "compare the timer's clock and period with firmware/src/board/stm32f405/brushed/pwm.rs",
     );
     Ok(limit.row(format!("{period:.1} cycles"), verdict))
 }

@@ -2,10 +2,10 @@
 
 use super::DesktopDrives;
 use super::READ;
-use fivebar_firmware::board::Board;
 use fivebar_firmware::drives::{BrushedDrives, DriveInterface, Drives};
 use fivebar_firmware::protocol::{Board as Kind, Decoder, HostMessage, Identity, Reset};
 use fivebar_firmware::recorder::{Log, Recorder};
+use fivebar_firmware::session::Board;
 use fivebar_firmware::session::{Session, fault_at_start};
 use fivebar_firmware::settings::{CheckedSettings, SettingsError};
 use fivebar_firmware::storage::StorageError;

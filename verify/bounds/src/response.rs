@@ -60,7 +60,7 @@ pub const CAN: Driving = Driving {
 /// The images.
 pub const IMAGES: [Driving; 3] = [BRUSHED, STEPPER, CAN];
 /// Cycles from the trigger to the interrupt: 70 of the converter's clock, which is an eighth of the core's
-/// (3 to begin, 40 for a current and 27 for the bus voltage, `firmware/src/board/stm32f405/analog.rs`).
+/// (3 to begin, 40 for a current and 27 for the bus voltage, `firmware/src/board/stm32f405/brushed/analog.rs`).
 const CONVERSION: u64 = 8 * (3 + 28 + 12 + 15 + 12);
 
 /// Cycles of a period: 168 MHz over 10 kHz.

@@ -9,6 +9,7 @@ use crate::peripherals::tim1::Output;
 use crate::time::Time;
 use crate::violation::refuse;
 use crate::wiring::Outputs;
+use fivebar_firmware::drivers::boards::{self, Peripheral};
 use fivebar_kinematics::five_bar::Joint;
 
 /// The address of USART1's data register, for the DMA.
@@ -77,7 +78,11 @@ impl Mcu {
             self.adc.advance(at);
         }
         if self.usart.due() <= at {
-            let connected = [(1, 6), (1, 7)].map(|(port, pin)| self.is_alternate(port, pin, 7));
+            let [send, receive] = self.options.board.common.serial;
+            let connected = [
+                self.is_connected(send, Peripheral::Usart1Send),
+                self.is_connected(receive, Peripheral::Usart1Receive),
+            ];
             self.usart.advance(at, connected);
         }
         if self.iwdg.due() <= at && self.iwdg.advance(at) {
@@ -108,8 +113,16 @@ impl Mcu {
         }
     }
 
-    fn is_alternate(&self, port: usize, pin: u8, function: u32) -> bool {
-        self.ports[port].mode(pin) == Mode::Alternate(function)
+    /// Whether a pin is given to a peripheral, which has a signal there.
+    fn is_connected(&self, pin: boards::Pin, peripheral: Peripheral) -> bool {
+        let (function, _) = peripheral.places();
+        let mode = self.ports[usize::from(pin.port())].mode(pin.number());
+        mode == Mode::Alternate(function.into()) && peripheral.is_at(pin)
+    }
+
+    /// The level at which the program drives a pin, if it does.
+    fn driven(&self, pin: boards::Pin) -> Option<bool> {
+        self.ports[usize::from(pin.port())].driven(pin.number())
     }
 
     /// The level of a pin; a floating one reads low.
@@ -117,7 +130,10 @@ impl Mcu {
         let port = &self.ports[usize::from(pin.0)];
         let (driven, pull) = (port.driven(pin.1), port.pull(pin.1));
         driven
-            .or_else(|| self.wiring.level(at, pin))
+            .or_else(|| {
+                let wire = self.wires.at(pin)?;
+                self.wiring.level(at, wire)
+            })
             .or(pull)
             .unwrap_or(false)
     }
@@ -153,11 +169,10 @@ impl Mcu {
 
     /// Counts what the encoders have done up to a time.
     pub(crate) fn follow_encoder(&mut self, joint: Joint, at: Time) {
-        // Joint 1 on TIM5 by PA0 and PA1, joint 4 on TIM2 by PA15 and PB3.
-        let (pins, function) = [([(0, 0), (0, 1)], 2), ([(0, 15), (1, 3)], 1)][joint];
-        let connected = pins
-            .iter()
-            .all(|&(port, pin)| self.is_alternate(port, pin, function));
+        let pins = self.options.board.brushed();
+        let [a, b] = [pins.encoder1, pins.encoder4][joint];
+        let timer = [Peripheral::Tim5, Peripheral::Tim2][joint];
+        let connected = self.is_connected(a, timer(1)) && self.is_connected(b, timer(2));
         let clocks = self.encoders[joint].filter_clocks();
         let filter = self.core * self.rcc.timer_cycles(0) * u64::from(clocks);
         let counts = self.wiring.encoder(at, joint, filter);
@@ -204,11 +219,15 @@ impl Mcu {
 
     /// Lets levels, requests and interrupt lines follow what has changed.
     pub(crate) fn settle(&mut self, at: Time) {
-        let stop = self.is_alternate(1, 12, 1) && self.level(at, Pin(1, 12));
-        self.tim1.set_break(stop, self.rcc.nmi());
-        let stop = self.is_alternate(0, 6, 3) && self.level(at, Pin(0, 6));
-        self.tim8.set_break(stop, self.rcc.nmi());
-        let connected = self.is_alternate(1, 8, 9) && self.is_alternate(1, 9, 9);
+        let board = self.options.board;
+        let (stop, stop4) = (board.common.stop, board.stepper().stop4);
+        let stops = self.is_connected(stop, Peripheral::Tim1Break) && self.level(at, stop.into());
+        self.tim1.set_break(stops, self.rcc.nmi());
+        let stops = self.is_connected(stop4, Peripheral::Tim8Break) && self.level(at, stop4.into());
+        self.tim8.set_break(stops, self.rcc.nmi());
+        let [receive, send] = board.can().bus;
+        let connected = self.is_connected(receive, Peripheral::Can1Receive)
+            && self.is_connected(send, Peripheral::Can1Send);
         self.can.connect(connected);
         if let Some(frame) = self.can.changed_offer() {
             self.wiring.offer(at, frame);
@@ -246,25 +265,35 @@ impl Mcu {
     }
 
     fn drives(&self, at: Time) -> Outputs {
-        // PA8 from TIM1's channel 1, PC8 from TIM8's channel 3.
+        let board = self.options.board;
+        let (brushed, stepper) = (board.brushed(), board.stepper());
+        let [step1, step4] = stepper.step;
+        let step1 = self.is_connected(step1, Peripheral::Tim1(1));
+        let step4 = self.is_connected(step4, Peripheral::Tim8);
         let steps = [
-            self.is_alternate(0, 8, 1).then(|| self.tim1.level(0, at)),
-            self.is_alternate(2, 8, 3).then(|| self.tim8.level(2, at)),
+            step1.then(|| self.tim1.level(0, at)),
+            step4.then(|| self.tim8.level(2, at)),
         ];
-        let channel = |channel: usize| match self.is_alternate(0, 8 + channel as u8, 1) {
-            true => self.tim1.output(channel),
-            false => Output::Released,
+        let channel = |channel: usize| {
+            let signal = Peripheral::Tim1(channel as u8 + 1);
+            match self.is_connected(brushed.bridges[channel], signal) {
+                true => self.tim1.output(channel),
+                false => Output::Released,
+            }
         };
         Outputs {
             pwm: [0, 1, 2, 3].map(channel),
-            sleep: [14, 15].map(|pin| self.ports[1].driven(pin)),
+            sleep: match self.has_steppers() {
+                true => stepper.enable.map(|pin| self.driven(pin)),
+                false => brushed.sleep.map(|pin| self.driven(pin)),
+            },
             steps: match self.has_steppers() {
                 true => steps.map(Option::flatten),
                 false => [None; 2],
             },
-            direction: [self.ports[0].driven(9), self.ports[2].driven(9)],
-            brake: self.ports[2].driven(6),
-            tool: match self.is_alternate(2, 7, 2) {
+            direction: stepper.direction.map(|pin| self.driven(pin)),
+            brake: self.driven(board.common.brake),
+            tool: match self.is_connected(board.common.tool, Peripheral::Tim3) {
                 true => self.tool.pulses(1),
                 false => Pulses::Released,
             },

@@ -5,6 +5,7 @@ mod accesses;
 mod amplifier;
 mod arm;
 mod bare;
+mod board_wires;
 mod bus;
 mod callbacks;
 mod can_arm;

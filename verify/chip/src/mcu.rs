@@ -1,5 +1,6 @@
 //! Everything of the chip but its core: peripherals, their connections, and time.
 
+use crate::board_wires::BoardWires;
 use crate::debug::Debug;
 use crate::defect::Defect;
 use crate::nvic::{NMI, Nvic};
@@ -23,6 +24,7 @@ use crate::systick::{Dwt, SysTick};
 use crate::time::{NEVER, Time};
 use crate::violation::{Access, Violation, refuse};
 use crate::wiring::{Outputs, Wiring};
+use fivebar_firmware::drivers::boards::{Board, REFERENCE, Row, Use};
 
 /// Address and size of the RAM.
 pub(crate) const RAM: u32 = 0x2000_0000;
@@ -43,6 +45,8 @@ pub struct Options {
     pub host_baud: u64,
     /// What the image is for.
     pub drives: DriveKind,
+    /// The board that the image is built for.
+    pub board: &'static Board,
     /// What is wrong with the chip, if something is.
     pub defect: Option<Defect>,
 }
@@ -58,6 +62,19 @@ pub enum DriveKind {
     OnBus,
 }
 
+impl DriveKind {
+    /// The signals of a board with the image for these.
+    fn rows(self, board: &Board) -> Vec<Row> {
+        let mut rows = board.common.rows(Use::Level).to_vec();
+        match self {
+            Self::Brushed => rows.extend(board.brushed().rows()),
+            Self::Steppers => rows.extend(board.stepper().rows()),
+            Self::OnBus => rows.extend(board.can().rows()),
+        }
+        rows
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {
@@ -67,6 +84,7 @@ impl Default for Options {
             lsi: 32e3,
             host_baud: 1_000_000,
             drives: DriveKind::Brushed,
+            board: &REFERENCE,
             defect: None,
         }
     }
@@ -119,7 +137,8 @@ pub(crate) struct Mcu {
     /// A reset that waits to be made.
     pub(crate) reset: Option<ResetCause>,
     pub(crate) violation: Option<Violation>,
-    options: Options,
+    pub(crate) options: Options,
+    pub(crate) wires: BoardWires,
     /// When the next event is due.
     pub(crate) due: Time,
 }
@@ -166,6 +185,10 @@ impl Mcu {
             reset: None,
             violation: None,
             options,
+            wires: BoardWires::new(
+                &options.drives.rows(options.board),
+                &options.drives.rows(&REFERENCE),
+            ),
             due: 0,
         };
         mcu.settle(0);

@@ -8,6 +8,7 @@ use fivebar_chip::{
 };
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
+use fivebar_firmware::drivers::boards::{self, BOARDS, REFERENCE};
 use fivebar_firmware::drives::can::{BIT_RATE, BusDrives, Frame, Protocol, most_load, odrive};
 use fivebar_firmware::protocol::{Board, HostCommand, Reset};
 use fivebar_firmware::safety::{Fault, State};
@@ -78,14 +79,21 @@ fn open(line: &HostLine) -> (Client<HostLine>, Reset) {
 impl Bench {
     /// Connected, with the settings in use.
     fn ready(scenario: Scenario) -> Self {
+        Self::on(&REFERENCE, can_image(), scenario)
+    }
+
+    /// The same on a board with the image for it.
+    fn on(board: &'static boards::Board, image: Arc<Image>, scenario: Scenario) -> Self {
         let plant = BusDrives::arm(&scenario).expect("an arm");
         let arm = SharedCanArm::new(CanArm::new(plant));
         let options = Options {
             drives: DriveKind::OnBus,
+            board,
+            crystal: f64::from(board.crystal) * 1e6,
             ..Options::default()
         };
-        let chip = Chip::new(can_image(), options, Vec::new(), Box::new(arm.clone()))
-            .expect("an emulator");
+        let chip =
+            Chip::new(image, options, Vec::new(), Box::new(arm.clone())).expect("an emulator");
         let line = HostLine::new(chip);
         let (mut client, _) = open(&line);
         let settings = scenario.robot.settings().expect("settings");
@@ -203,6 +211,11 @@ fn distance([x, y]: [f64; 2], line: &[[f64; 2]]) -> f64 {
 
 /// Draws the demonstration on the chip and on the desktop: how far the chip's tool is from the desktop's path, RMS and at most [m].
 fn compare(scenario: Scenario) -> [f64; 2] {
+    compare_on(scenario, Bench::ready)
+}
+
+/// The same with a board and an image of one's own.
+fn compare_on(scenario: Scenario, ready: impl FnOnce(Scenario) -> Bench) -> [f64; 2] {
     let job = scenario.job().expect("a job");
     let moves = scenario.run_moves(&job).expect("moves");
     let settings = scenario.robot.settings().expect("settings");
@@ -213,7 +226,7 @@ fn compare(scenario: Scenario) -> [f64; 2] {
     assert!(record.faults.is_empty(), "{:?}", record.faults);
     desktop.extend(record.trace.samples().iter().map(|sample| sample.tool));
 
-    let mut bench = Bench::ready(scenario);
+    let mut bench = ready(scenario);
     let home = bench.home();
     let mut drive = Drive::new(&mut bench.client, &|| false);
     drive.home(Homing::At(home)).expect("it is homed");
@@ -265,6 +278,20 @@ fn the_demonstration_is_drawn_as_on_the_desktop() {
 fn the_demonstration_with_mit_type_drives_is_drawn_as_on_the_desktop() {
     let [rms, most] = compare(mit());
     assert!(rms < 40e-6 && most < 150e-6, "{rms} {most}");
+}
+
+/// Its crystal has 12 MHz, and its emergency stop is at another pin.
+#[test]
+fn the_demonstration_is_drawn_and_stopped_on_a_board_with_other_pins() {
+    let board = BOARDS.iter().find(|board| board.name == "feather_f405");
+    let board = board.expect("the board");
+    let image = || bench::image_for("FIVEBAR_BOARD", board.name, "stm32f405_can");
+    let [rms, most] = compare_on(leg(), |scenario| Bench::on(board, image(), scenario));
+    assert!(rms < 10e-6 && most < 50e-6, "{rms} {most}");
+    let mut bench = Bench::on(board, image(), leg());
+    bench.arm_again();
+    bench.arm.get().press_stop(true);
+    bench.stops_within_4_ms(Fault::EmergencyStop);
 }
 
 #[test]
@@ -374,7 +401,10 @@ fn frames_of_others_are_not_taken_and_a_full_bus_delays_no_torque() {
     let now = bench.statistics();
     assert_eq!(now.filtered - before.filtered, 5);
     assert_eq!(bench.status().fault, None);
-    // Frames before all others for 6 ms.
+    // Frames before all others for 6 ms, from behind those of a tick on: the drives' watchdogs count from these.
+    let began = bench.line.chip().tick_began();
+    let ran = bench.line.chip().run_until(began + 950 * MICROSECOND);
+    ran.expect("no violation");
     bench.arm.get().frames.clear();
     for _ in 0..46 {
         let first = Frame::new(0, [0x55; 8]);

@@ -1,10 +1,11 @@
 //! What the session needs from this board: it stores nothing, and its ticks come from the host.
 
 use super::instructions::InstructionCounter;
-use crate::board::{Board, stack};
+use crate::board::stack;
 use crate::drives::DriveInterface;
 use crate::protocol::StackUse;
 use crate::recorder::{Log, Recorder};
+use crate::session::Board;
 use crate::settings::CheckedSettings;
 use crate::storage::StorageError;
 use crate::{ArmCommand, ArmController, ArmSample, Settings};

@@ -23,7 +23,6 @@ mod app {
     use fivebar_firmware::session::{self, Session};
     use fivebar_firmware::{ArmController, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use stm32f4xx_hal::prelude::*;
 
     type Drives = <Interface as DriveInterface>::Drives;
     type Controller = ArmController<Drives>;
@@ -56,11 +55,10 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         // The emulator has no clock control and runs from the internal oscillator.
         let (mut rcc, clocks) = clocks::start(cx.device.RCC, &cx.device.FLASH, &cx.device.TIM11);
-        let pins = cx.device.GPIOB.split(&mut rcc);
-        let pins = (pins.pb6.into_alternate(), pins.pb7.into_alternate());
+        // Nor has it pins: the line is there by itself.
         let (usart, dma) = (&cx.device.USART1, &cx.device.DMA2);
         let (buffers, bus) = (cx.local.buffers, clocks.source.second_bus());
-        let (receiver, sender) = serial::new(usart, dma, pins, buffers, bus, &mut rcc);
+        let (receiver, sender) = serial::new(usart, dma, buffers, bus, &mut rcc);
         let (arrived, commands) = cx.local.queue.split();
         let identity = Identity::new(BOARD, Reset::Power);
         let Ok(settings) = Settings::BENCHTOP.check() else {

@@ -1,108 +1,62 @@
-//! The function of each pin: the table of `docs/use/wiring.md` as types.
+//! The pins that each image has, and what stands in the place of those that it does not have.
 //!
 //! Inputs that a cable leads to have the chip's own resistor, about 40 kΩ, so that a cable that is
 //! off gives a level and no noise: a quiet serial line, encoders that stand still, and an
 //! emergency stop that is pressed, even if its own resistor is missing. It is a pull-up but for the
-//! bridges' fault outputs, whose pull-ups are at the bridges: without its wire, the input is low, a
+//! drives' fault outputs, whose pull-ups are at the drives: without its wire, the input is low, a
 //! fault.
 
-use super::pwm;
-use crate::drivers::Inputs;
-use stm32f4xx_hal::gpio::{
-    Alternate, Analog, Input, Output, PA0, PA1, PA15, PB0, PB1, PB3, PB6, PB7, PB12, PB14, PB15,
-    PC0, PC1, PC2, PC4, PC5, PC6, PC7, PC8, PC9, PinPull, Pull,
-};
-use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
+use super::gpio::{self, In, Out, Resistor};
+use crate::drivers::boards::{BUILT, CommonPins, Peripheral};
+use core::convert::Infallible;
+use embedded_hal::digital::{ErrorType, InputPin};
 
-/// The home switches, the encoders' index outputs, the emergency stop and both bridges' fault outputs. The emergency
-/// stop is on the timer's break pin, which can also be read as an input.
-pub type Switches = Inputs<
-    PC4<Input>,
-    PC5<Input>,
-    PC8<Input>,
-    PC9<Input>,
-    PB12<Alternate<1>>,
-    PB0<Input>,
-    PB1<Input>,
->;
+/// The pins of this board.
+pub const PINS: CommonPins = BUILT.common;
 
-/// The pins by their function.
-pub struct Pins {
-    /// Both bridges and the brake.
-    pub outputs: OutputPins,
-    /// Encoder of joint 1: A, B.
-    pub encoder1: (PA0<Alternate<2>>, PA1<Alternate<2>>),
-    /// Encoder of joint 4: A, B.
-    pub encoder4: (PA15<Alternate<1>>, PB3<Alternate<1>>),
-    /// Current 1, current 4, bus voltage.
-    pub analog: (PC0<Analog>, PC1<Analog>, PC2<Analog>),
-    /// Switches and fault outputs.
-    pub switches: Switches,
-    /// The tool's output, floating.
-    pub tool: PC7<Input>,
-    /// The serial line: out, in.
-    pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
+/// Home switch 1.
+pub type Home1 = In<{ PINS.home[0].0 }>;
+/// Home switch 4.
+pub type Home4 = In<{ PINS.home[1].0 }>;
+/// The emergency stop. A timer's break pin can also be read as an input.
+pub type Stop = In<{ PINS.stop.0 }>;
+/// Releases the brake when high.
+pub type Brake = Out<{ PINS.brake.0 }>;
+
+/// Gives the brake's pin and those of the serial line their functions; the brake is engaged.
+pub fn set_up() -> Brake {
+    let [send, receive] = PINS.serial;
+    let brake = gpio::output(false);
+    gpio::connect(send, Peripheral::Usart1Send, Resistor::None);
+    gpio::connect(receive, Peripheral::Usart1Receive, Resistor::Up);
+    brake
 }
 
-/// The pins of the outputs.
-pub struct OutputPins {
-    /// IN1 and IN2 of both bridges.
-    pub pwm: pwm::Pins,
-    /// Bridge 1's sleep input, low.
-    pub sleep1: PB14<Output>,
-    /// Bridge 4's sleep input, low.
-    pub sleep4: PB15<Output>,
-    /// Releases the brake when high; low.
-    pub brake: PC6<Output>,
+/// The home switches.
+pub fn home() -> (Home1, Home4) {
+    (gpio::input(Resistor::Up), gpio::input(Resistor::Up))
 }
 
-impl Pins {
-    /// Gives each pin its function, the bridges' sleep inputs first: low, asleep.
-    pub fn new(a: GPIOA, b: GPIOB, c: GPIOC, rcc: &mut Rcc) -> Self {
-        let (a, b, c) = (a.split(rcc), b.split(rcc), c.split(rcc));
-        Self {
-            outputs: OutputPins {
-                sleep1: b.pb14.into_push_pull_output(),
-                sleep4: b.pb15.into_push_pull_output(),
-                pwm: (
-                    a.pa8.into_alternate(),
-                    a.pa9.into_alternate(),
-                    a.pa10.into_alternate(),
-                    a.pa11.into_alternate(),
-                ),
-                brake: c.pc6.into_push_pull_output(),
-            },
-            encoder1: (
-                pulled_up(a.pa0.into_alternate()),
-                pulled_up(a.pa1.into_alternate()),
-            ),
-            encoder4: (
-                pulled_up(a.pa15.into_alternate()),
-                pulled_up(b.pb3.into_alternate()),
-            ),
-            analog: (
-                c.pc0.into_analog(),
-                c.pc1.into_analog(),
-                c.pc2.into_analog(),
-            ),
-            switches: Inputs {
-                home1: c.pc4.into_pull_up_input(),
-                home4: c.pc5.into_pull_up_input(),
-                index1: c.pc8.into_pull_up_input(),
-                index4: c.pc9.into_pull_up_input(),
-                emergency_stop: pulled_up(b.pb12.into_alternate()),
-                fault1: b.pb0.into_pull_down_input(),
-                fault4: b.pb1.into_pull_down_input(),
-            },
-            tool: c.pc7,
-            serial: (b.pb6.into_alternate(), pulled_up(b.pb7.into_alternate())),
-        }
+/// The emergency stop, also TIM1's break input.
+pub fn stop_with_break() -> Stop {
+    let stop = gpio::input(Resistor::Up);
+    gpio::connect(PINS.stop, Peripheral::Tim1Break, Resistor::Up);
+    stop
+}
+
+/// In the place of an input that the drives do not have: an index output without a pulse, a fault output without a fault.
+pub struct Level<const HIGH: bool>;
+
+impl<const HIGH: bool> ErrorType for Level<HIGH> {
+    type Error = Infallible;
+}
+
+impl<const HIGH: bool> InputPin for Level<HIGH> {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(HIGH)
     }
-}
 
-/// The pin with the chip's pull-up.
-fn pulled_up<Pin: PinPull>(pin: Pin) -> Pin {
-    pin.internal_resistor(Pull::Up)
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(!HIGH)
+    }
 }

@@ -5,7 +5,6 @@
 //! DMA does not start (an emulator has none), an interrupt stores each byte in the same ring, and
 //! bytes are sent by waiting for each.
 
-use stm32f4xx_hal::gpio::{Alternate, PB6, PB7};
 use stm32f4xx_hal::pac::dma2::{RegisterBlock as DmaRegisters, ST};
 use stm32f4xx_hal::pac::{DMA2, RCC, USART1};
 use stm32f4xx_hal::rcc::{Enable, Reset};
@@ -83,11 +82,10 @@ pub fn follow_internal_oscillator() {
     }
 }
 
-/// Sets the line up on PB6 (out) and PB7 (in); `bus` is the clock of the second bus [Hz].
+/// Sets the line up; `bus` is the clock of the second bus [Hz].
 pub fn new(
     usart: &USART1,
     dma: &DMA2,
-    _pins: (PB6<Alternate<7>>, PB7<Alternate<7>>),
     buffers: &'static mut Buffers,
     bus: u32,
     rcc: &mut RCC,

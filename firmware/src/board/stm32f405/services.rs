@@ -7,11 +7,11 @@ use super::self_test::Started;
 use super::storage::SettingsFlash;
 use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
-use crate::board::Board;
 use crate::board::stack;
-use crate::drives::{BrushedDrives, Drives, StepDrives, TorqueDrives};
+use crate::drives::Drives;
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan};
 use crate::recorder::{LogControl, LogWords, Recorder};
+use crate::session::Board;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
 use crate::{ActuatorCommand, ArmController, SensorSample, Settings, ToldSample};
@@ -34,18 +34,6 @@ pub fn recorder() -> Recorder<'static> {
 pub trait OnBoard: Drives {
     /// The board's bounds with them.
     const LIMITS: BoardLimits;
-}
-
-impl OnBoard for BrushedDrives {
-    const LIMITS: BoardLimits = BoardLimits::STM32F405;
-}
-
-impl OnBoard for StepDrives {
-    const LIMITS: BoardLimits = BoardLimits::STM32F405_STEPPER;
-}
-
-impl OnBoard for TorqueDrives {
-    const LIMITS: BoardLimits = BoardLimits::STM32F405_CAN;
 }
 
 /// The settings' storage, and the watchdog, whose timeout is longer while settings are written.

@@ -10,9 +10,11 @@
 //! | switch | 20 kHz frames | 0, or beyond the top |
 //! | power | as fine as 16 bits allow | at once: off within the tick |
 
+use super::gpio::{self, Resistor};
+use super::pins::PINS;
+use crate::drivers::boards::Peripheral;
 use crate::settings::{ALWAYS, Share, ToolOutputSettings};
-use stm32f4xx_hal::gpio::{Input, PC7};
-use stm32f4xx_hal::pac::{GPIOC, RCC, TIM3};
+use stm32f4xx_hal::pac::{RCC, TIM3};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
 /// The counter's clock for a servo [Hz].
@@ -21,15 +23,9 @@ const SERVO_CLOCK: f32 = 1e6;
 const SWITCH_FRAMES: f32 = 20e3;
 /// The greatest count of a frame: a compare value one above it must fit the register.
 const LONGEST_FRAME: f32 = 65_535.0;
-/// PC7's field in MODER and in AFRL, and its alternate function: TIM3.
-const MODE_SHIFT: u32 = 14;
-const FUNCTION_SHIFT: u32 = 28;
-const TIM3_FUNCTION: u32 = 2;
-
 /// The timer, which is set up anew for each settings.
 pub struct ToolTimer {
     timer: TIM3,
-    _pin: PC7<Input>,
     /// The timer's clock [Hz].
     clock: f32,
 }
@@ -38,20 +34,13 @@ pub struct ToolTimer {
 pub struct ToolChannel(());
 
 /// The timer, with its clock of `clock` [Hz], and its channel. The pin floats.
-pub fn new(timer: TIM3, pin: PC7<Input>, clock: u32, rcc: &mut RCC) -> (ToolTimer, ToolChannel) {
+pub fn new(timer: TIM3, clock: u32, rcc: &mut RCC) -> (ToolTimer, ToolChannel) {
     TIM3::enable(rcc);
     TIM3::reset(rcc);
-    // SAFETY: only PC7's function is changed, and nothing else writes this register after the
-    // pins were set up.
-    #[allow(unsafe_code)]
-    unsafe {
-        (*GPIOC::ptr())
-            .afrl()
-            .modify(|r, w| w.bits(r.bits() | TIM3_FUNCTION << FUNCTION_SHIFT));
-    }
+    gpio::connect(PINS.tool, Peripheral::Tim3, Resistor::None);
+    gpio::drive(PINS.tool, false);
     let timer = ToolTimer {
         timer,
-        _pin: pin,
         clock: clock as f32,
     };
     (timer, ToolChannel(()))
@@ -61,7 +50,7 @@ impl ToolTimer {
     /// Sets the timer up, with the tool off. The pin floats meanwhile, and stays so without an
     /// output.
     pub fn configure(&mut self, output: &ToolOutputSettings) {
-        drive_pin(false);
+        gpio::drive(PINS.tool, false);
         self.timer.cr1().reset();
         let (divider, frame) = match *output {
             ToolOutputSettings::None => return,
@@ -87,7 +76,7 @@ impl ToolTimer {
         // Loads the preloaded values.
         timer.egr().write(|w| w.ug().update());
         timer.cr1().write(|w| w.cen().enabled());
-        drive_pin(true);
+        gpio::drive(PINS.tool, true);
     }
 }
 
@@ -106,19 +95,6 @@ impl ToolChannel {
             (u32::from(share) * frame + 0x8000) >> 16
         };
         timer.ccr(1).write(|w| w.ccr().set(compare as u16));
-    }
-}
-
-/// Lets the timer drive the pin, or lets it float.
-fn drive_pin(driven: bool) {
-    let mode = if driven { 2 } else { 0 };
-    // SAFETY: only PC7's mode is changed, and nothing else writes this register after the pins
-    // were set up.
-    #[allow(unsafe_code)]
-    unsafe {
-        (*GPIOC::ptr())
-            .moder()
-            .modify(|r, w| w.bits(r.bits() & !(3 << MODE_SHIFT) | mode << MODE_SHIFT));
     }
 }
 

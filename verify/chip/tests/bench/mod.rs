@@ -36,9 +36,10 @@ pub(crate) fn path() -> &'static Path {
     })
 }
 
-/// The image that is built for a crystal which no measurement tells from another [MHz].
-pub(crate) fn image_for_crystal(megahertz: u32) -> Arc<Image> {
-    let path = built(Command::new(SCRIPT).env("FIVEBAR_CRYSTAL", megahertz.to_string()));
+/// An image that is built with a variable: `FIVEBAR_CRYSTAL`, for one that no measurement tells from another [MHz], or
+/// `FIVEBAR_BOARD`.
+pub(crate) fn image_for(variable: &str, value: &str, image: &str) -> Arc<Image> {
+    let path = built(Command::new(SCRIPT).arg(image).env(variable, value));
     Arc::new(Image::read(&path).expect("an image"))
 }
 

@@ -7,7 +7,6 @@ use super::kind::ExploredDrives;
 use super::view::{Outside, View};
 use crate::rules::{Rules, Violation};
 use crate::way_out::Machine;
-use fivebar_firmware::board::Board;
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::Drives;
 use fivebar_firmware::protocol::{
@@ -16,6 +15,7 @@ use fivebar_firmware::protocol::{
 };
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::session;
+use fivebar_firmware::session::Board;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Planner, SensorSample, Settings, Status};
 

@@ -12,7 +12,6 @@ use crate::report::Report;
 use crate::rules::{Rules, Violation};
 use crate::samples::Hostile;
 use crate::timed::Tool;
-use fivebar_firmware::board::Board;
 use fivebar_firmware::controller::Controller;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
@@ -21,6 +20,7 @@ use fivebar_firmware::protocol::{
 use fivebar_firmware::recorder::{Log, Recorder};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::session;
+use fivebar_firmware::session::Board;
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::storage::StorageError;
 use fivebar_firmware::{

@@ -7,7 +7,6 @@ use crate::drives::can::{BusSetup, CanController, Link, UNKNOWN, WaitingFrames};
 use crate::drives::{TorqueSample, TorqueSetPoint};
 use crate::settings::CheckedSettings;
 use core::mem::MaybeUninit;
-use rtic_core::Mutex;
 
 /// The controller of the bus, and the link to the drives.
 pub struct Bus {
@@ -18,25 +17,23 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// The bus in its place, where it lasts as long as the program, with the drives of these settings. A call of its own: so the
+    /// The bus without drives, in a place where it lasts as long as the program. A call of its own, and once: so the
     /// caller's stack holds no copy.
     #[inline(never)]
-    pub fn place(
-        place: &'static mut MaybeUninit<Self>,
-        can: BxCan,
-        settings: &CheckedSettings,
-    ) -> &'static mut Self {
-        let bus = place.write(Self {
+    pub fn place(can: BxCan) -> &'static mut Self {
+        let place = cortex_m::singleton!(: MaybeUninit<Bus> = MaybeUninit::uninit());
+        let Some(place) = place else {
+            panic!("there is one bus");
+        };
+        place.write(Self {
             can,
             waiting: WaitingFrames::default(),
             link: None,
-        });
-        use_settings(settings, |link, setup| bus.use_link(link, setup));
-        bus
+        })
     }
 
     /// Speaks to these drives from now on.
-    fn use_link(&mut self, link: Link, setup: &BusSetup) {
+    pub fn use_link(&mut self, link: Link, setup: &BusSetup) {
         self.can.accept(setup.answers());
         self.link = Some(link);
     }
@@ -77,11 +74,4 @@ pub fn use_settings(settings: &CheckedSettings, put: impl FnOnce(Link, &BusSetup
         stop::prepare(setup.stops());
         put(Link::new(setup.protocol, setup.nodes, settings), &setup);
     }
-}
-
-/// Lets a shared bus speak to the drives of new settings.
-pub fn exchange(bus: &mut impl Mutex<T = &'static mut Bus>, settings: &CheckedSettings) {
-    use_settings(settings, |link, setup| {
-        bus.lock(|bus| bus.use_link(link, setup));
-    });
 }

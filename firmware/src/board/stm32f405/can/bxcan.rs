@@ -1,4 +1,4 @@
-//! CAN1, the chip's bxCAN, at 1 Mbit/s on PB8 and PB9: its registers.
+//! CAN1, the chip's bxCAN, at 1 Mbit/s: its registers.
 //!
 //! A bit has 14 quanta of APB1's clock over 3:
 //!
@@ -14,7 +14,6 @@
 //! A FIFO that overruns keeps the newest frames; what is lost is an answer that does not come.
 
 use crate::drives::can::{CanController, Frame, Payload};
-use stm32f4xx_hal::gpio::{Alternate, PB8, PB9};
 use stm32f4xx_hal::pac::{CAN1, RCC, can1};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
@@ -91,12 +90,7 @@ fn filled_up(low: u32, high: u32, length: u32) -> Payload {
 impl BxCan {
     /// Programs the controller and lets it join the bus, which it does after 11 recessive bits; without a crystal it stays
     /// asleep. It takes no frames yet.
-    pub fn new(
-        can: CAN1,
-        _pins: (PB8<Alternate<9>>, PB9<Alternate<9>>),
-        crystal_runs: bool,
-        rcc: &mut RCC,
-    ) -> Self {
+    pub fn new(can: CAN1, crystal_runs: bool, rcc: &mut RCC) -> Self {
         CAN1::enable(rcc);
         CAN1::reset(rcc);
         if crystal_runs && begins_initialisation(&can) {

@@ -1,13 +1,4 @@
 //! The production image for steppers: an STM32F405RG that gives the drivers of two motors their steps.
-//!
-//! | task | priority | deadline |
-//! |---|---|---|
-//! | `tripped1`, `tripped4`: the break inputs | 4 | none: the pulses have stopped before they run |
-//! | `tick`: sensor sample in, actuator command out | 3 | the next tick, 100 µs; misses are counted |
-//! | `receive`: from bytes to commands | 2 | the ring buffer's 5 ms |
-//! | `converse`: session, planner, telemetry, log, watchdog | idle | the watchdog's 50 ms |
-//!
-//! Without a crystal the ticks come more slowly, and the controller reports its clock fault, which cannot be cleared.
 #![no_std]
 #![no_main]
 #![allow(
@@ -16,279 +7,26 @@
     reason = "the framework's attribute writes code that needs it"
 )]
 
-use core::panic::PanicInfo;
-use cortex_m_rt::exception;
 use defmt_rtt as _;
-use fivebar_firmware::board::stm32f405::post_mortem::{EndCause, reset_after};
-use fivebar_firmware::board::stm32f405::stepper::timers;
-use fivebar_firmware::board::stm32f405::{clocks, serial, tool};
+use fivebar_firmware::board::stm32f405::gpio::set_reset;
+use fivebar_firmware::board::stm32f405::stepper::pins::PINS;
+use fivebar_firmware::board::stm32f405::stepper::timers::ENABLE_PINS;
+use fivebar_firmware::drivers::boards::BUILT;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
-mod app {
-    use core::mem::MaybeUninit;
-    use core::sync::atomic::{AtomicBool, Ordering};
-    use fivebar_firmware::board;
-    use fivebar_firmware::board::exchanged::{Exchanged, Place};
-    use fivebar_firmware::board::stm32f405::clocks::{self, Source};
-    use fivebar_firmware::board::stm32f405::cycles::CycleMeter;
-    use fivebar_firmware::board::stm32f405::log::EventLog;
-    use fivebar_firmware::board::stm32f405::self_test::Started;
-    use fivebar_firmware::board::stm32f405::services::{self, BoardServices};
-    use fivebar_firmware::board::stm32f405::stepper::outputs::Outputs;
-    use fivebar_firmware::board::stm32f405::stepper::pins::Pins;
-    use fivebar_firmware::board::stm32f405::stepper::sensors::Sensors;
-    use fivebar_firmware::board::stm32f405::stepper::timers::{self, TICK_CYCLES};
-    use fivebar_firmware::board::stm32f405::watchdog::Tasks;
-    use fivebar_firmware::board::stm32f405::{brown_out, halt, post_mortem, serial, tool};
-    use fivebar_firmware::drives::{Drives, StepDrives, StepSample};
-    use fivebar_firmware::planner::Planner;
-    use fivebar_firmware::protocol::{Board, Decoder, HostCommand, HostMessage, Identity};
-    use fivebar_firmware::session::{self, Session, fault_at_start};
-    use fivebar_firmware::settings::BoardLimits;
-    use fivebar_firmware::{ArmController, ArmSample, Request};
-    use heapless::spsc::{Consumer, Producer, Queue};
+const _: () = if let Err(reason) = BUILT.stepper {
+    panic!("{}", reason);
+};
 
-    type Controller = ArmController<StepDrives>;
-
-    /// A break input tripped, or the host sent an emergency stop. The next tick reads this.
-    static STOP: AtomicBool = AtomicBool::new(false);
-    /// The crystal did not start, or failed later.
-    pub(crate) static CLOCK_FAILED: AtomicBool = AtomicBool::new(false);
-
-    #[shared]
-    struct Shared {
-        controller: &'static mut Controller,
-        /// The sample of the last tick.
-        sample: ArmSample<StepSample>,
-    }
-
-    #[local]
-    struct Local {
-        sensors: Sensors,
-        outputs: Outputs,
-        meter: CycleMeter,
-        receiver: serial::Receiver,
-        arrived: Producer<'static, HostMessage>,
-        commands: Consumer<'static, HostMessage>,
-        sender: serial::Sender,
-        spare: &'static mut Controller,
-        planner: &'static mut Planner,
-        session: &'static mut Session,
-        services: BoardServices,
-        log: EventLog,
-    }
-
-    #[init(local = [
-        buffers: serial::Buffers = serial::Buffers::new(),
-        queue: Queue<HostMessage, 4> = Queue::new(),
-        controllers: [Place<StepDrives>; 2] = [const { Place::uninit() }; 2],
-        place_of_planner: Planner = Planner::NONE,
-        place_of_session: MaybeUninit<Session> = MaybeUninit::uninit(),
-    ])]
-    fn init(cx: init::Context) -> (Shared, Local) {
-        let (device, mut core) = (cx.device, cx.core);
-        let (reset, hung) = post_mortem::reset_reason(&device.RCC);
-        halt::prepare(&device.DBGMCU);
-        let brown_out = brown_out::enable_reset(&device.FLASH);
-        let (mut rcc, clocks) = clocks::start(device.RCC, &device.FLASH, &device.TIM11);
-        let source = clocks.source;
-        if source == Source::Internal {
-            defmt::error!(
-                "no clock from a crystal that this image takes; it has {} Hz",
-                clocks.crystal
-            );
-        }
-        let pins = Pins::new(device.GPIOA, device.GPIOB, device.GPIOC, &mut rcc);
-        let (tool_timer, tool) = tool::new(device.TIM3, pins.tool, source.tool_timer(), &mut rcc);
-        let sensors = Sensors {
-            switches: pins.switches,
-        };
-        let timers = (device.TIM1, device.TIM8, &device.TIM4);
-        let outputs = Outputs::new(timers, pins.outputs, tool, &mut rcc);
-        let (receiver, sender) = serial::new(
-            &device.USART1,
-            &device.DMA2,
-            pins.serial,
-            cx.local.buffers,
-            source.second_bus(),
-            &mut rcc,
-        );
-        let (arrived, commands) = cx.local.queue.split();
-
-        let mut storage = services::open(device.FLASH);
-        let mut settings = services::benchtop();
-        let missing =
-            services::load(&mut storage, &BoardLimits::STM32F405_STEPPER, &mut settings).err();
-        let settings = &settings;
-        let started = Started {
-            clocks,
-            brown_out,
-            hung,
-        };
-        let mut services = BoardServices::start(storage, device.IWDG, tool_timer, started);
-        if missing.is_none() {
-            board::Board::<StepDrives>::use_settings(&mut services, settings);
-        }
-        let crystal_runs = source == Source::Crystal;
-        if !crystal_runs {
-            CLOCK_FAILED.store(true, Ordering::Relaxed);
-        }
-        defmt::info!("started after a reset: {}", reset);
-
-        let meter = CycleMeter::new(&mut core.DCB, &mut core.DWT);
-        let identity = Identity::new(Board::Stm32f405Stepper, reset);
-        let planner = cx.local.place_of_planner;
-        planner.reset(settings);
-        let [controller, spare] = cx.local.controllers;
-        let controller = Controller::place(controller, settings);
-        if let Some(fault) = fault_at_start(crystal_runs, reset, missing) {
-            controller.latch_fault(fault);
-        }
-        let local = Local {
-            sensors,
-            outputs,
-            meter,
-            receiver,
-            arrived,
-            commands,
-            sender,
-            spare: Controller::place(spare, settings),
-            planner,
-            session: session::place(
-                cx.local.place_of_session,
-                identity,
-                settings,
-                missing.is_none(),
-            ),
-            services,
-            log: EventLog::new(),
-        };
-        if crystal_runs && CLOCK_FAILED.load(Ordering::Relaxed) {
-            // It failed meanwhile, and what came behind it set up pins and dividers as if it had not.
-            super::crystal_failed();
-        }
-        let sample = ArmSample::default();
-        (Shared { controller, sample }, local)
-    }
-
-    /// A break input has stopped the pulses of motor 1; this tells the controller.
-    #[task(binds = TIM1_BRK_TIM9, priority = 4)]
-    fn tripped1(_: tripped1::Context) {
-        if timers::take_break1() {
-            STOP.store(true, Ordering::Relaxed);
-        }
-    }
-
-    /// The same of motor 4.
-    #[task(binds = TIM8_BRK_TIM12, priority = 4)]
-    fn tripped4(_: tripped4::Context) {
-        if timers::take_break4() {
-            STOP.store(true, Ordering::Relaxed);
-        }
-    }
-
-    /// The control tick, at the update that starts the pulses.
-    #[task(binds = TIM4, priority = 3, shared = [controller, sample], local = [sensors, outputs, meter])]
-    fn tick(mut cx: tick::Context) {
-        let (sensors, outputs, meter) = (cx.local.sensors, cx.local.outputs, cx.local.meter);
-        timers::take_tick();
-        let waited = timers::since_tick();
-        let missed = meter.missed(TICK_CYCLES);
-        meter.measure(waited, || {
-            let stopped = STOP.swap(false, Ordering::Relaxed) || outputs.timers.is_held();
-            let sample = sensors.sample(outputs.steps(missed), missed, stopped);
-            cx.shared.sample.lock(|latest| *latest = sample);
-            cx.shared.controller.lock(|controller| {
-                let command = if CLOCK_FAILED.load(Ordering::Relaxed) {
-                    controller.tick_without_clock(&sample)
-                } else {
-                    controller.tick(&sample)
-                };
-                outputs.apply(&command);
-                let drives = controller.drives();
-                services::recorder().record(drives, &sample, &command, controller.ticks());
-                outputs.timers.rearm_break();
-            });
-        });
-        Tasks::TICK.advanced();
-    }
-
-    /// From bytes to commands. A command for which the queue has no room is dropped; the host
-    /// sends it again.
-    #[task(binds = USART1, priority = 2, local = [
-        receiver,
-        arrived,
-        decoder: Decoder<HostMessage> = Decoder::new(),
-    ])]
-    fn receive(cx: receive::Context) {
-        let (decoder, arrived) = (cx.local.decoder, cx.local.arrived);
-        cx.local.receiver.drain(|byte| {
-            if let Some(Ok(message)) = decoder.feed(byte) {
-                if message.command == HostCommand::Request(Request::EmergencyStop) {
-                    // This does not wait in the queue behind the planner's work.
-                    STOP.store(true, Ordering::Relaxed);
-                }
-                let _ = arrived.enqueue(message);
-            }
-        });
-    }
-
-    #[idle(shared = [controller, sample], local = [commands, sender, spare, planner, session, services, log])]
-    fn converse(cx: converse::Context) -> ! {
-        let local = cx.local;
-        timers::start();
-        let mut sample = cx.shared.sample;
-        let mut shared = Exchanged {
-            lock: cx.shared.controller,
-            spare: local.spare,
-        };
-        let controller = &mut shared;
-        loop {
-            if let Some(message) = local.commands.dequeue() {
-                let session = &mut *local.session;
-                let latest = sample.lock(|latest| *latest);
-                let words =
-                    controller.lock(|controller| controller.drives().sensed_words(&latest.drives));
-                local.services.sample = latest.with_drives(words);
-                if let Some(frame) =
-                    session.answer(&message, controller, local.planner, local.services)
-                {
-                    local.sender.send(&frame);
-                }
-            }
-            local.planner.run(controller);
-            if let Some(frame) = local.session.telemetry(controller) {
-                local.sender.send(&frame);
-            }
-            local.services.times.count();
-            local.log.update(controller, &local.services.times);
-            Tasks::SESSION.advanced();
-            local.services.watchdog.refresh_if_all_advanced();
-        }
-    }
-}
-
-#[panic_handler]
-fn panic(_: &PanicInfo<'_>) -> ! {
-    timers::unpower();
-    reset_after(EndCause::Panic)
-}
-
-/// Any fault of the processor. The stack may be at its end, and a push would then lock the core
-/// up with the motors powered: so this switches them off without one, as `timers::unpower` does, and
-/// goes on with a fresh stack.
-#[allow(
-    unsafe_code,
-    reason = "a handler without a prologue is written in assembly"
-)]
-#[unsafe(naked)]
-#[unsafe(export_name = "HardFault")]
-unsafe extern "C" fn hard_fault() -> ! {
-    core::arch::naked_asm!(
-        // GPIOB_BSRR: PB14 and PB15 high.
-        "movw r0, #0x0418",
-        "movt r0, #0x4002",
-        "mov r1, #0xc000",
+fivebar_firmware::image! {
+    parts: fivebar_firmware::board::stm32f405::stepper::Stepper,
+    peripherals: (TIM1, TIM8, TIM4),
+    // At the update that starts the pulses.
+    tick: TIM4,
+    before_stack: [
+        // GPIO_BSRR: the enables high.
+        "movw r0, #{low_half}",
+        "movt r0, #{high_half}",
+        "movw r1, #{enable}",
         "str r1, [r0]",
         // TIM1_BDTR: MOE off.
         "movw r0, #0x0044",
@@ -301,38 +39,32 @@ unsafe extern "C" fn hard_fault() -> ! {
         "movt r0, #0x4001",
         "ldr r1, [r0]",
         "bic r1, r1, #0x8000",
-        "str r1, [r0]",
-        "movw r0, #:lower16:_stack_start",
-        "movt r0, #:upper16:_stack_start",
-        "msr msp, r0",
-        "b {after}",
-        after = sym after_hard_fault,
-    )
-}
+        "str r1, [r0]"
+    ],
+    operands: [
+        low_half = const set_reset(PINS.enable[0]) & 0xffff,
+        high_half = const set_reset(PINS.enable[0]) >> 16,
+        enable = const ENABLE_PINS,
+    ],
+    tasks: {
+        use core::sync::atomic::Ordering;
+        use fivebar_firmware::board::stm32f405::image::STOP;
+        use fivebar_firmware::board::stm32f405::stepper::timers;
 
-extern "C" fn after_hard_fault() -> ! {
-    reset_after(EndCause::HardFault)
-}
+        /// A break input has stopped the pulses of motor 1; this tells the controller.
+        #[task(binds = TIM1_BRK_TIM9, priority = 4)]
+        fn tripped1(_: tripped1::Context) {
+            if timers::take_break1() {
+                STOP.store(true, Ordering::Relaxed);
+            }
+        }
 
-/// The default handler of exceptions and interrupts without their own.
-#[exception]
-unsafe fn DefaultHandler(_: i16) {
-    timers::unpower();
-    reset_after(EndCause::HardFault)
-}
-
-/// The crystal failed: the core now runs from the internal oscillator, and the break of both
-/// timers has tripped.
-#[exception]
-unsafe fn NonMaskableInt() {
-    crystal_failed();
-}
-
-/// Whatever it interrupts. The power goes first, and no code that goes on gives it back.
-fn crystal_failed() {
-    timers::unpower_until_reset();
-    app::CLOCK_FAILED.store(true, core::sync::atomic::Ordering::Relaxed);
-    clocks::acknowledge_failure();
-    serial::follow_internal_oscillator();
-    tool::follow_internal_oscillator();
+        /// The same of motor 4.
+        #[task(binds = TIM8_BRK_TIM12, priority = 4)]
+        fn tripped4(_: tripped4::Context) {
+            if timers::take_break4() {
+                STOP.store(true, Ordering::Relaxed);
+            }
+        }
+    }
 }

@@ -1,12 +1,10 @@
-//! The outputs of an actuator command for stepper drivers: pulses, directions and enables, the brake and the tool.
+//! The outputs of an actuator command for stepper drivers: pulses, directions and enables.
 
-use super::pins::OutputPins;
+use super::pins::{Direction1, Direction4, Enable1, Enable4, OutputPins};
 use super::timers::StepTimers;
 use crate::ArmCommand;
-use crate::board::stm32f405::tool::ToolChannel;
 use crate::drivers::steps::StepAxis;
 use crate::drives::StepCommand;
-use stm32f4xx_hal::gpio::{Output, PA9, PB14, PB15, PC6, PC9};
 use stm32f4xx_hal::pac::{RCC, TIM1, TIM4, TIM8};
 
 /// The outputs.
@@ -14,31 +12,26 @@ pub struct Outputs {
     /// The timers of the pulses.
     pub timers: StepTimers,
     axes: [StepAxis; 2],
-    direction1: PA9<Output>,
-    direction4: PC9<Output>,
-    enable1: PB14<Output>,
-    enable4: PB15<Output>,
-    brake: PC6<Output>,
-    tool: ToolChannel,
+    direction1: Direction1,
+    direction4: Direction4,
+    enable1: Enable1,
+    enable4: Enable4,
 }
 
 impl Outputs {
-    /// The outputs: no pulses, motors without power, brake engaged.
+    /// The outputs: no pulses, motors without power.
     pub fn new(
-        (timer1, timer4, ticks): (TIM1, TIM8, &TIM4),
+        (timer1, timer4, ticks): (TIM1, TIM8, TIM4),
         pins: OutputPins,
-        tool: ToolChannel,
         rcc: &mut RCC,
     ) -> Self {
         Self {
-            timers: StepTimers::new(timer1, timer4, ticks, pins.timers, rcc),
+            timers: StepTimers::new(timer1, timer4, &ticks, rcc),
             axes: Default::default(),
-            direction1: pins.direction1,
-            direction4: pins.direction4,
-            enable1: pins.enable1,
-            enable4: pins.enable4,
-            brake: pins.brake,
-            tool,
+            direction1: pins.direction.0,
+            direction4: pins.direction.1,
+            enable1: pins.enable.0,
+            enable4: pins.enable.1,
         }
     }
 
@@ -60,14 +53,11 @@ impl Outputs {
             axis1.prepare(if enable1 { steps1 } else { 0 }),
             axis4.prepare(if enable4 { steps4 } else { 0 }),
         ];
-        // A pin of this chip cannot fail to be written.
-        let _ = self.direction1.set_state(axis1.forwards().into());
-        let _ = self.direction4.set_state(axis4.forwards().into());
-        let _ = self.enable1.set_state((!enable1).into());
-        let _ = self.enable4.set_state((!enable4).into());
+        self.direction1.write(axis1.forwards());
+        self.direction4.write(axis4.forwards());
+        self.enable1.write(!enable1);
+        self.enable4.write(!enable4);
         self.timers.power(enable1 || enable4);
         self.timers.prepare(pulses);
-        let _ = self.brake.set_state((!command.brake).into());
-        self.tool.set(command.tool);
     }
 }

@@ -1,101 +1,63 @@
-//! The function of each pin with stepper drivers: the table of `docs/use/wiring.md` as types.
+//! The function of each pin with stepper drivers.
 //!
-//! The inputs' resistors are those of the image for brushed motors. The enables are low when a driver has power, and each driver has a
+//! The enables are low when a driver has power, and each driver has a
 //! resistor that pulls its enable high: while the chip is in reset, or its cable is off, the motors have no power.
 
+use crate::board::stm32f405::gpio::{self, In, Out, Resistor};
+use crate::board::stm32f405::pins::{self, Home1, Home4, Level, Stop};
 use crate::drivers::Inputs;
-use core::convert::Infallible;
-use embedded_hal::digital::{ErrorType, InputPin};
-use stm32f4xx_hal::gpio::{
-    Alternate, Input, Output, PA6, PA8, PA9, PB0, PB1, PB6, PB7, PB12, PB14, PB15, PC4, PC5, PC6,
-    PC7, PC8, PC9, PinPull, PinState, Pull,
-};
-use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC};
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
+use crate::drivers::boards::{BUILT, Peripheral, StepperPins};
+
+/// The pins of this board.
+pub const PINS: StepperPins = BUILT.stepper();
 
 /// The home switches, the emergency stop and both drivers' fault outputs.
-pub type Switches =
-    Inputs<PC4<Input>, PC5<Input>, NoPulse, NoPulse, PB12<Alternate<1>>, PB0<Input>, PB1<Input>>;
-
-/// In the place of an index output: a motor without an encoder has none.
-pub struct NoPulse;
-
-impl ErrorType for NoPulse {
-    type Error = Infallible;
-}
-
-impl InputPin for NoPulse {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(false)
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        Ok(true)
-    }
-}
-
-/// The pins by their function.
-pub struct Pins {
-    /// Both drivers and the brake.
-    pub outputs: OutputPins,
-    /// Switches and fault outputs.
-    pub switches: Switches,
-    /// The tool's output, floating.
-    pub tool: PC7<Input>,
-    /// The serial line: out, in.
-    pub serial: (PB6<Alternate<7>>, PB7<Alternate<7>>),
-}
+pub type Switches = Inputs<
+    Home1,
+    Home4,
+    Level<false>,
+    Level<false>,
+    Stop,
+    In<{ PINS.fault[0].0 }>,
+    In<{ PINS.fault[1].0 }>,
+>;
+/// Direction of motor 1: high is forwards.
+pub type Direction1 = Out<{ PINS.direction[0].0 }>;
+/// Direction of motor 4.
+pub type Direction4 = Out<{ PINS.direction[1].0 }>;
+/// Enable of driver 1: low has power.
+pub type Enable1 = Out<{ PINS.enable[0].0 }>;
+/// Enable of driver 4.
+pub type Enable4 = Out<{ PINS.enable[1].0 }>;
 
 /// The pins of the outputs.
 pub struct OutputPins {
-    /// Step 1, step 4, and the second break input: the emergency stop again.
-    pub timers: (PA8<Alternate<1>>, PC8<Alternate<3>>, PA6<Alternate<3>>),
-    /// Direction of motor 1: high is forwards.
-    pub direction1: PA9<Output>,
-    /// Direction of motor 4.
-    pub direction4: PC9<Output>,
-    /// Enable of driver 1: low has power; high.
-    pub enable1: PB14<Output>,
-    /// Enable of driver 4: low has power; high.
-    pub enable4: PB15<Output>,
-    /// Releases the brake when high; low.
-    pub brake: PC6<Output>,
+    /// The directions; low.
+    pub direction: (Direction1, Direction4),
+    /// The enables; high.
+    pub enable: (Enable1, Enable4),
 }
 
-impl Pins {
-    /// Gives each pin its function, the enables first: high, no power.
-    pub fn new(a: GPIOA, b: GPIOB, c: GPIOC, rcc: &mut Rcc) -> Self {
-        let (a, b, c) = (a.split(rcc), b.split(rcc), c.split(rcc));
-        Self {
-            outputs: OutputPins {
-                enable1: b.pb14.into_push_pull_output_in_state(PinState::High),
-                enable4: b.pb15.into_push_pull_output_in_state(PinState::High),
-                timers: (
-                    a.pa8.into_alternate(),
-                    c.pc8.into_alternate(),
-                    pulled_up(a.pa6.into_alternate()),
-                ),
-                direction1: a.pa9.into_push_pull_output(),
-                direction4: c.pc9.into_push_pull_output(),
-                brake: c.pc6.into_push_pull_output(),
-            },
-            switches: Inputs {
-                home1: c.pc4.into_pull_up_input(),
-                home4: c.pc5.into_pull_up_input(),
-                index1: NoPulse,
-                index4: NoPulse,
-                emergency_stop: pulled_up(b.pb12.into_alternate()),
-                fault1: b.pb0.into_pull_down_input(),
-                fault4: b.pb1.into_pull_down_input(),
-            },
-            tool: c.pc7,
-            serial: (b.pb6.into_alternate(), pulled_up(b.pb7.into_alternate())),
-        }
-    }
-}
-
-/// The pin with the chip's pull-up.
-fn pulled_up<Pin: PinPull>(pin: Pin) -> Pin {
-    pin.internal_resistor(Pull::Up)
+/// Gives each pin its function, the enables first: high, no power.
+pub fn set_up() -> (OutputPins, Switches) {
+    let enable = (gpio::output(true), gpio::output(true));
+    let [step1, step4] = PINS.step;
+    gpio::connect(step1, Peripheral::Tim1(1), Resistor::None);
+    gpio::connect(step4, Peripheral::Tim8, Resistor::None);
+    gpio::connect(PINS.stop4, Peripheral::Tim8Break, Resistor::Up);
+    let outputs = OutputPins {
+        direction: (gpio::output(false), gpio::output(false)),
+        enable,
+    };
+    let (home1, home4) = pins::home();
+    let switches = Inputs {
+        home1,
+        home4,
+        index1: Level,
+        index4: Level,
+        emergency_stop: pins::stop_with_break(),
+        fault1: gpio::input(Resistor::Down),
+        fault4: gpio::input(Resistor::Down),
+    };
+    (outputs, switches)
 }

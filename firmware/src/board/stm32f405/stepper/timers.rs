@@ -9,9 +9,10 @@
 //! force both outputs low within nanoseconds, without the processor. They stay low until [`StepTimers::power`] is called
 //! again.
 
+use super::pins::PINS;
+use crate::board::stm32f405::gpio::registers;
 use crate::drivers::steps::{Pulses, TICK_CLOCKS};
-use stm32f4xx_hal::gpio::{Alternate, PA6, PA8, PC8};
-use stm32f4xx_hal::pac::{GPIOB, RCC, TIM1, TIM4, TIM8, tim1};
+use stm32f4xx_hal::pac::{RCC, TIM1, TIM4, TIM8, tim1};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
 /// Cycles of the core from one tick to the next.
@@ -29,10 +30,10 @@ const CHANNEL4: usize = 2;
 /// The flags of the status registers of TIM1 and TIM8, and of TIM4.
 const FLAGS: u32 = 0x1eff;
 const TICK_FLAGS: u32 = 0x1e5f;
-/// PB14 and PB15, the drivers' enables: high is without power.
-const ENABLE_PINS: u32 = 1 << 14 | 1 << 15;
+/// The drivers' enables, in one port: high is without power.
+pub const ENABLE_PINS: u32 = 1 << PINS.enable[0].number() | 1 << PINS.enable[1].number();
 /// Their modes in MODER, two bits each; zeros: inputs.
-const ENABLE_MODES: u32 = 0b1111 << 28;
+const ENABLE_MODES: u32 = 3 << (2 * PINS.enable[0].number()) | 3 << (2 * PINS.enable[1].number());
 
 /// Takes the power from both motors and stops the pulses by three register writes, from any context and in any state: for
 /// the handlers of panics and faults, which own no peripheral and end in a reset.
@@ -40,7 +41,9 @@ const ENABLE_MODES: u32 = 0b1111 << 28;
 pub fn unpower() {
     // SAFETY: the writes only switch off, and the callers do not return to code that would switch on again.
     unsafe {
-        (*GPIOB::ptr()).bsrr().write(|w| w.bits(ENABLE_PINS));
+        registers(PINS.enable[0])
+            .bsrr()
+            .write(|w| w.bits(ENABLE_PINS));
         (*TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
         (*TIM8::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
     }
@@ -56,7 +59,7 @@ pub fn unpower_until_reset() {
     // SAFETY: nothing else writes the register after the start, which calls this again at its end.
     #[allow(unsafe_code)]
     unsafe {
-        (*GPIOB::ptr())
+        registers(PINS.enable[0])
             .moder()
             .modify(|modes, w| w.bits(modes.bits() & !ENABLE_MODES));
     }
@@ -103,13 +106,7 @@ pub struct StepTimers {
 
 impl StepTimers {
     /// Programs the timers: no pulses, outputs low, and no ticks yet.
-    pub fn new(
-        timer1: TIM1,
-        timer4: TIM8,
-        ticks: &TIM4,
-        _pins: (PA8<Alternate<1>>, PC8<Alternate<3>>, PA6<Alternate<3>>),
-        rcc: &mut RCC,
-    ) -> Self {
+    pub fn new(timer1: TIM1, timer4: TIM8, ticks: &TIM4, rcc: &mut RCC) -> Self {
         TIM1::enable(rcc);
         TIM1::reset(rcc);
         TIM8::enable(rcc);

@@ -23,17 +23,10 @@ impl Sensors {
     pub fn sample(&mut self, missed_ticks: u32, stopped: bool) -> SensorSample {
         let counts = self.encoders.latched();
         let samples = self.analog.take();
-        SensorSample {
-            counts,
-            drives: BrushedSample {
-                current: samples.current,
-                bus_voltage: samples.bus_voltage,
-            },
-            home: self.switches.home(),
-            index: self.switches.index(),
-            emergency_stop: self.switches.emergency_stop() || stopped,
-            driver_fault: self.switches.driver_fault(),
-            missed_ticks,
-        }
+        let drives = BrushedSample {
+            current: samples.current,
+            bus_voltage: samples.bus_voltage,
+        };
+        self.switches.sample(counts, drives, missed_ticks, stopped)
     }
 }

@@ -4,10 +4,11 @@
 //! security system force all four outputs low within nanoseconds, without the processor.
 //! They stay low until [`PwmTimer::power`] is called again.
 
+use super::pins::PINS;
+use crate::board::stm32f405::gpio::registers;
 use core::convert::Infallible;
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-use stm32f4xx_hal::gpio::{Alternate, PA8, PA9, PA10, PA11};
-use stm32f4xx_hal::pac::{GPIOB, RCC, TIM1};
+use stm32f4xx_hal::pac::{RCC, TIM1};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
 /// Half a PWM period in TIM1's clock: 168 MHz / (2 · 4200) = 20 kHz.
@@ -20,18 +21,10 @@ pub const TICK_CYCLES: u32 = 16_800;
 const TICKS_TO_CHECK: u8 = 8;
 /// The flags of the timer's status register.
 const FLAGS: u32 = 0x1eff;
-/// PB14 and PB15, the bridges' sleep inputs: low is asleep, outputs floating.
-const SLEEP_PINS: u32 = 1 << 14 | 1 << 15;
+/// The bridges' sleep inputs, in one port: low is asleep, outputs floating.
+pub const SLEEP_PINS: u32 = 1 << PINS.sleep[0].number() | 1 << PINS.sleep[1].number();
 /// Their modes in MODER, two bits each; zeros: inputs.
-const SLEEP_MODES: u32 = 0b1111 << 28;
-
-/// IN1 and IN2 of bridge 1, IN1 and IN2 of bridge 4.
-pub type Pins = (
-    PA8<Alternate<1>>,
-    PA9<Alternate<1>>,
-    PA10<Alternate<1>>,
-    PA11<Alternate<1>>,
-);
+const SLEEP_MODES: u32 = 3 << (2 * PINS.sleep[0].number()) | 3 << (2 * PINS.sleep[1].number());
 
 /// Switches both bridges off by two register writes, from any context and in any state: for the
 /// handlers of panics and faults, which own no peripheral and end in a reset.
@@ -41,7 +34,9 @@ pub fn unpower() {
     // switch on again.
     unsafe {
         (*TIM1::ptr()).bdtr().modify(|_, w| w.moe().clear_bit());
-        (*GPIOB::ptr()).bsrr().write(|w| w.bits(SLEEP_PINS << 16));
+        registers(PINS.sleep[0])
+            .bsrr()
+            .write(|w| w.bits(SLEEP_PINS << 16));
     }
 }
 
@@ -55,7 +50,7 @@ pub fn unpower_until_reset() {
     // SAFETY: nothing else writes the register after the start, which calls this again at its end.
     #[allow(unsafe_code)]
     unsafe {
-        (*GPIOB::ptr())
+        registers(PINS.sleep[0])
             .moder()
             .modify(|modes, w| w.bits(modes.bits() & !SLEEP_MODES));
     }
@@ -86,7 +81,6 @@ impl PwmTimer {
     /// Programs the timer with all outputs low, and hands out its channels.
     pub fn new(
         timer: TIM1,
-        _pins: Pins,
         rcc: &mut RCC,
     ) -> (Self, (Channel<0>, Channel<1>, Channel<2>, Channel<3>)) {
         TIM1::enable(rcc);

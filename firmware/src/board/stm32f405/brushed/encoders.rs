@@ -14,9 +14,7 @@
 //! benchtop arm needs 1 100 000 at the speed that is a fault (52.5 rad/s, 131 072 counts a turn).
 //! Both inputs are delayed alike.
 
-use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, PA15, PB3};
 use stm32f4xx_hal::pac::{RCC, TIM2, TIM5, TIM8, tim2, tim5};
-use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
 /// TIM8's pulse in its 168 MHz: 0.5 µs, 42 clocks of the timers that see it.
@@ -24,24 +22,29 @@ const PULSE: u16 = 84;
 /// TIM8 among the triggers of TIM5.
 const TIM8_OF_TIM5: u8 = 3;
 
-/// The counters.
-pub struct Encoders {
-    _joint1: Qei<TIM5>,
-    _joint4: Qei<TIM2>,
+/// Lets a timer of 32 bits count each edge of both inputs. The types of the two timers' registers differ.
+macro_rules! quadrature {
+    ($timer:ident) => {
+        $timer.ccmr1_input().write(|w| w.cc1s().ti1().cc2s().ti2());
+        $timer.ccer().write(|w| w.cc1e().set_bit().cc2e().set_bit());
+        $timer.smcr().write(|w| w.sms().encoder_mode_3());
+        $timer.arr().write(|w| w.arr().set(u32::MAX));
+        $timer.cr1().write(|w| w.cen().enabled());
+    };
 }
 
+/// The counters.
+pub struct Encoders(());
+
 impl Encoders {
-    /// Counts joint 1 on PA0 and PA1, joint 4 on PA15 and PB3; `latch` triggers both.
-    pub fn new(
-        joint1: (TIM5, (PA0<Alternate<2>>, PA1<Alternate<2>>)),
-        joint4: (TIM2, (PA15<Alternate<1>>, PB3<Alternate<1>>)),
-        latch: TIM8,
-        rcc: &mut RCC,
-    ) -> Self {
-        let encoders = Self {
-            _joint1: Qei::new(joint1.0, joint1.1, rcc),
-            _joint4: Qei::new(joint4.0, joint4.1, rcc),
-        };
+    /// Counts both joints; `latch` triggers both.
+    pub fn new(joint1: &TIM5, joint4: &TIM2, latch: &TIM8, rcc: &mut RCC) -> Self {
+        TIM5::enable(rcc);
+        TIM5::reset(rcc);
+        TIM2::enable(rcc);
+        TIM2::reset(rcc);
+        quadrature!(joint1);
+        quadrature!(joint4);
         let (timer1, timer4) = timers();
         timer1
             .ccmr1_input()
@@ -59,8 +62,8 @@ impl Encoders {
         timer4.ccmr2_input().modify(|_, w| w.cc3s().trc());
         timer1.ccer().modify(|_, w| w.cc3e().set_bit());
         timer4.ccer().modify(|_, w| w.cc3e().set_bit());
-        set_up_latch(&latch, rcc);
-        encoders
+        set_up_latch(latch, rcc);
+        Self(())
     }
 
     /// Both counts, which wrap, as they were latched. The next latch comes a tick later.

@@ -11,7 +11,6 @@
 //! constants of the amplifier; the next comes 0.2 µs later or more (a quick bridge). See
 //! `docs/use/wiring.md`.
 
-use stm32f4xx_hal::gpio::{Analog, PC0, PC1, PC2};
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC2, RCC};
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
@@ -19,6 +18,8 @@ use stm32f4xx_hal::rcc::{Enable, Reset};
 const CURRENT1: u8 = 10;
 const CURRENT4: u8 = 11;
 const BUS: u8 = 12;
+/// All of them.
+pub const INPUTS: [u8; 3] = [CURRENT1, CURRENT4, BUS];
 /// The converters' common mode: injected sequences of ADC1 and ADC2 start together.
 const INJECTED_SIMULTANEOUS: u8 = 0b00101;
 
@@ -43,12 +44,7 @@ impl CurrentsAndBus {
     /// The converters' clock is 84 MHz / 4 = 21 MHz (36 at most). A sequence starts up to 3 cycles
     /// after its trigger. A conversion takes 28 cycles to sample a current, or 15 for the bus, and
     /// 12 to convert: 3.3 µs together.
-    pub fn new(
-        (adc1, adc2): (ADC1, ADC2),
-        common: &ADC_COMMON,
-        _pins: (PC0<Analog>, PC1<Analog>, PC2<Analog>),
-        rcc: &mut RCC,
-    ) -> Self {
+    pub fn new((adc1, adc2): (ADC1, ADC2), common: &ADC_COMMON, rcc: &mut RCC) -> Self {
         ADC1::enable(rcc);
         ADC2::enable(rcc);
         // One reset for all converters.
