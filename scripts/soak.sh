@@ -13,9 +13,7 @@
 #                                                 docs/verify/data/fault_campaign_brushed.csv
 #   scripts/soak.sh kinds FIRST_SEED COUNT        COUNT trials of every fault on every kind of drive in
 #                                                 every state; writes docs/verify/fault-campaign.md
-#   scripts/soak.sh steppers SEED ARMS JOBS       random jobs on random arms with steppers lose no step
-#   scripts/soak.sh stepper-rivals SEED ARMS JOBS likewise, against the best constant acceleration: the table of
-#                                                 docs/verify/stepper-motion.md
+#   scripts/soak.sh steppers                      2000 random jobs on random arms with steppers: are they drawn?
 #   scripts/soak.sh coverage                      whether 95 % intervals of calibrations and identifications hold 95 %;
 #                                                 writes docs/verify/data/coverage.csv
 #   scripts/soak.sh serve MINUTES                 clients of the live page come and go: memory
@@ -51,11 +49,9 @@ case ${1:-} in
     kinds)
         FAULTS_SEED=$2 FAULTS_COUNT=$3 soak --test fault_campaign -- every_fault_on_every_kind
         ;;
-    steppers | stepper-rivals)
-        name=lose_no_step
-        [ "$1" = steppers ] || name=against_the_best_constant
-        STEPPERS_SEED=$2 STEPPERS_ARMS=$3 STEPPERS_JOBS=$4 cargo test --quiet --release \
-            --package fivebar-sim --test runs -- --nocapture --ignored "$name"
+    steppers)
+        cargo test --quiet --package fivebar-sim --test runs -- --ignored --exact \
+            stepper_campaign::tables::the_whole_campaign_is_drawn_as_the_page_has_it
         ;;
     coverage)
         soak --test commissioning -- coverage::data::the_results

@@ -148,8 +148,8 @@ impl JobPlanner {
         let torque = drives.map(|drive| torque_share * drive.peak_torque());
         let share = |values: [f64; 2]| values.map(|value| JOINT_SHARE * value);
         let [fastest1, fastest4] = robot.limits.max_speed;
-        let speed = share(match robot.tracked_speed() {
-            Some([tracked1, tracked4]) => [fastest1.min(tracked1), fastest4.min(tracked4)],
+        let speed = share(match robot.led_speed() {
+            Some([led1, led4]) => [fastest1.min(led1), fastest4.min(led4)],
             None => [fastest1, fastest4],
         });
         let tool = robot.tool_on_link()?;

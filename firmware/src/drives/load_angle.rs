@@ -10,9 +10,11 @@
 //! the arm's model: nothing that the rotor does is fed back.
 //!
 //! The currents must follow the micro-steps. Above the speed at which the supply is too low for that, the rotor lags
-//! behind by more than its load, and the lead does not know by how much.
+//! behind by more than its load. The settings know by how much a rotor without load lags at each speed
+//! ([`FieldLag`]), and the field leads by that as well.
 
 use super::step::Resolution;
+use crate::settings::FieldLag;
 use core::f32::consts::PI;
 use fivebar_kinematics::Scalar;
 
@@ -24,19 +26,25 @@ const MOST: f32 = 0.9;
 pub(super) struct LoadAngle {
     /// G/k [rad/(N·m)]; 0 of a field without a known stiffness, which does not lead.
     compliance: f32,
+    /// Of the rotor behind its field, at the joint's speed.
+    lag: FieldLag,
+    /// Whether the motor turns against its joint.
+    is_reversed: bool,
     /// What of the micro-steps made is lead.
     made: i32,
 }
 
 impl LoadAngle {
-    /// None yet, of a motor with this gear ratio and stiffness of its field at the joint [N·m/rad]; 0: not known.
-    pub(super) fn new(gear_ratio: f32, stiffness: f32) -> Self {
+    /// None yet, of a motor with this gear ratio, stiffness of its field at the joint [N·m/rad] (0: not known) and lag.
+    pub(super) fn new(gear_ratio: f32, stiffness: f32, lag: FieldLag) -> Self {
         Self {
             compliance: if stiffness > 0.0 {
                 gear_ratio / stiffness
             } else {
                 0.0
             },
+            lag,
+            is_reversed: gear_ratio < 0.0,
             made: 0,
         }
     }
@@ -47,16 +55,17 @@ impl LoadAngle {
         self.made
     }
 
-    /// The micro-steps by which the field should lead, for this torque at the joint [N·m]: as before, for none and for one
-    /// that is not a number.
+    /// The micro-steps by which the field should lead, for this torque [N·m] at this speed [rad/s] of the joint: as
+    /// before, for no torque and for one that is not a number.
     #[inline(always)]
-    pub(super) fn wanted(self, torque: Option<f32>, resolution: Resolution) -> f32 {
+    pub(super) fn wanted(self, torque: Option<f32>, speed: f32, resolution: Resolution) -> f32 {
         let Some(torque) = torque.filter(|torque| Scalar::is_finite(*torque)) else {
             return self.made as f32;
         };
         let periods = 0.25 * f32::from(resolution.full_steps);
         let sine = (torque * self.compliance * periods).clamp(-MOST, MOST);
-        arcsine(sine) * (2.0 / PI) * f32::from(resolution.microsteps)
+        let lag = self.lag.at(if self.is_reversed { -speed } else { speed });
+        (arcsine(sine) + lag) * (2.0 / PI) * f32::from(resolution.microsteps)
     }
 
     /// The field leads by so many micro-steps.
@@ -86,7 +95,8 @@ mod tests {
     fn a_field_that_leads_gives_the_torque() {
         for gear_ratio in [4.0_f32, -3.0] {
             let holding = 0.4;
-            let lead = LoadAngle::new(gear_ratio, gear_ratio * gear_ratio * 50.0 * holding);
+            let stiffness = gear_ratio * gear_ratio * 50.0 * holding;
+            let lead = LoadAngle::new(gear_ratio, stiffness, FieldLag::NONE);
             for (share, within) in [
                 (-0.9_f32, 2e-2),
                 (-0.3, 1e-5),
@@ -95,7 +105,7 @@ mod tests {
                 (0.6, 1e-3),
             ] {
                 let torque = share * holding * gear_ratio;
-                let micro_steps = lead.wanted(Some(torque), NEMA17);
+                let micro_steps = lead.wanted(Some(torque), 0.0, NEMA17);
                 // N times the motor's angle.
                 let electric = 50.0 * micro_steps * core::f32::consts::TAU / 3200.0;
                 let given = gear_ratio * holding * electric.sin();
@@ -107,15 +117,37 @@ mod tests {
 
     #[test]
     fn the_lead_stays_within_three_quarters_of_a_full_step_and_without_a_torque_as_it_is() {
-        let mut lead = LoadAngle::new(4.0, 320.0);
+        let mut lead = LoadAngle::new(4.0, 320.0, FieldLag::NONE);
         for torque in [1e3, f32::MAX] {
-            assert!((11.0..12.0).contains(&lead.wanted(Some(torque), NEMA17)));
-            assert!((-12.0..-11.0).contains(&lead.wanted(Some(-torque), NEMA17)));
+            assert!((11.0..12.0).contains(&lead.wanted(Some(torque), 0.0, NEMA17)));
+            assert!((-12.0..-11.0).contains(&lead.wanted(Some(-torque), 0.0, NEMA17)));
         }
         lead.make(7);
         for torque in [None, Some(f32::NAN), Some(f32::INFINITY)] {
-            assert_eq!(lead.wanted(torque, NEMA17), 7.0);
+            assert_eq!(lead.wanted(torque, 30.0, NEMA17), 7.0);
         }
-        assert_eq!(LoadAngle::new(4.0, 0.0).wanted(Some(1.0), NEMA17), 0.0);
+        let unknown = LoadAngle::new(4.0, 0.0, FieldLag::NONE);
+        assert_eq!(unknown.wanted(Some(1.0), 0.0, NEMA17), 0.0);
+    }
+
+    #[test]
+    fn a_field_leads_by_the_lag_at_its_speed_in_the_direction_in_which_its_motor_turns() {
+        let lag = FieldLag {
+            from: 14.0,
+            slope: 0.09,
+            bend: 0.0,
+        };
+        // 0.54 rad at 20 rad/s, in full steps of π/2 and 16 micro-steps.
+        let expected = 0.54 * 16.0 / core::f32::consts::FRAC_PI_2;
+        for (gear_ratio, speed, sign) in [
+            (4.0, 20.0, 1.0),
+            (4.0, -20.0, -1.0),
+            (-4.0, 20.0, -1.0),
+            (4.0, 14.0, 0.0),
+        ] {
+            let lead = LoadAngle::new(gear_ratio, 320.0, lag);
+            let wanted = lead.wanted(Some(0.0), speed, NEMA17);
+            assert!((wanted - sign * expected).abs() < 1e-4, "{wanted}");
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::words::SensedWords;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
 use crate::drives::{Demand, Motion};
 use crate::safety::Fault;
-use crate::settings::{AxisSettings, CheckedSettings, HomingMethod, Settings};
+use crate::settings::{AxisSettings, CheckedSettings, FieldLag, HomingMethod, Settings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_kinematics::{PlanarVector, Scalar};
@@ -119,11 +119,12 @@ impl Drives for StepDrives {
 
     fn new(settings: &CheckedSettings) -> Self {
         let ([axis1, axis4], [field1, field4]) = (&settings.axes, &settings.belts);
+        let [lag1, lag4] = settings.field_lags;
         let tick_rate = settings.control.tick_rate;
         Self {
             axes: [
-                Axis::new(axis1, field1.stiffness, tick_rate),
-                Axis::new(axis4, field4.stiffness, tick_rate),
+                Axis::new(axis1, field1.stiffness, lag1, tick_rate),
+                Axis::new(axis4, field4.stiffness, lag4, tick_rate),
             ],
             is_absolute: settings.home_reference.method == HomingMethod::Absolute,
         }
@@ -280,13 +281,13 @@ impl Drives for StepDrives {
 }
 
 impl Axis {
-    fn new(axis: &AxisSettings, stiffness: f32, tick_rate: f32) -> Self {
+    fn new(axis: &AxisSettings, stiffness: f32, lag: FieldLag, tick_rate: f32) -> Self {
         let turns = axis.gear_ratio * (1.0 / TAU);
         Self {
             turns,
             fastest: MARGIN * axis.max_speed * Scalar::abs(turns) / tick_rate,
             step_loss: StepLoss::new(axis.encoder_counts, tick_rate),
-            load_angle: LoadAngle::new(axis.gear_ratio, stiffness),
+            load_angle: LoadAngle::new(axis.gear_ratio, stiffness, lag),
             has_encoder: false,
             made: 0,
             resolution: Resolution::default(),
@@ -311,7 +312,7 @@ impl Axis {
     }
 
     /// n = (θd − θ) N/2π + d + l − l₀, rounded, of the set-point θd at the end of the tick, the counted angle θ, the rotor's
-    /// distance d before where it is told to be, and the field's lead l for the load [N·m], which was l₀ before. What rounding leaves is in the
+    /// distance d before where it is told to be, and the field's lead l for the load [N·m] at this speed, which was l₀ before. What rounding leaves is in the
     /// next tick's difference. True if the speed limits them.
     #[inline(always)]
     fn drive(
@@ -328,7 +329,7 @@ impl Axis {
         let gap = Vector2::unit(counted).cross_z(set_point.into());
         // `as` cuts: one more.
         let most = (self.fastest * per_turn) as i32 + 1;
-        let lead = self.load_angle.wanted(load, self.resolution);
+        let lead = self.load_angle.wanted(load, velocity, self.resolution);
         let led = lead - self.load_angle.made() as f32;
         let micro_steps = gap * self.turns * per_turn + self.step_loss.ahead() + led;
         let (steps, limited) = whole(micro_steps, most);

@@ -2,8 +2,8 @@
 
 use crate::settings::{
     AdvancedSettings, AxisSettings, BeltSettings, BrakeSettings, ControlSettings, ENCODER_POINTS,
-    HomeReference, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings,
-    ToolOutputSettings,
+    FieldLag, HomeReference, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    Settings, ToolOutputSettings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +53,8 @@ pub enum SectionKey {
     Advanced,
     /// What stretches before a joint: 0 is joint 1, 1 is joint 4.
     Belt(u8),
+    /// How far the rotor of a stepper lags: 0 is joint 1, 1 is joint 4.
+    FieldLag(u8),
 }
 
 /// A section with its value; units as in [`Settings`].
@@ -99,11 +101,13 @@ pub enum Section {
     Advanced(AdvancedSettings),
     /// One of [`Settings::belts`].
     Belt(u8, BeltSettings),
+    /// One of [`Settings::field_lags`].
+    FieldLag(u8, FieldLag),
 }
 
 impl SectionKey {
     /// Every section. Together they are the whole settings.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 35] = [
         Self::Lengths,
         Self::Link(0),
         Self::Link(1),
@@ -137,6 +141,8 @@ impl SectionKey {
         Self::Advanced,
         Self::Belt(0),
         Self::Belt(1),
+        Self::FieldLag(0),
+        Self::FieldLag(1),
     ];
 
     /// This section of `settings`; `None` if there is no such link or axis.
@@ -169,6 +175,9 @@ impl SectionKey {
             Self::Brake => Section::Brake(settings.brake),
             Self::Advanced => Section::Advanced(settings.advanced),
             Self::Belt(index) => Section::Belt(index, *settings.belts.get(usize::from(index))?),
+            Self::FieldLag(index) => {
+                Section::FieldLag(index, *settings.field_lags.get(usize::from(index))?)
+            }
         })
     }
 }
@@ -207,6 +216,9 @@ impl Section {
             Self::Brake(value) => settings.brake = value,
             Self::Advanced(value) => settings.advanced = value,
             Self::Belt(index, value) => *settings.belts.get_mut(usize::from(index))? = value,
+            Self::FieldLag(index, value) => {
+                *settings.field_lags.get_mut(usize::from(index))? = value;
+            }
         }
         Some(())
     }

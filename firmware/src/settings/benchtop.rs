@@ -4,8 +4,8 @@
 
 use super::{
     AdvancedSettings, AxisSettings, BeltSettings, BrakeSettings, ControlSettings, EncoderTable,
-    HomeReference, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings, Settings,
-    ToolOutputSettings,
+    FieldLag, HomeReference, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    Settings, ToolOutputSettings,
 };
 
 const CRANK: LinkSettings = LinkSettings {
@@ -103,5 +103,6 @@ impl Settings {
         brake: BrakeSettings::NONE,
         advanced: AdvancedSettings::DEFAULT,
         belts: [BeltSettings::RIGID; 2],
+        field_lags: [FieldLag::NONE; 2],
     };
 }

@@ -11,6 +11,7 @@ mod check;
 mod checked;
 mod encoder_table;
 mod error;
+mod field_lag;
 mod homing;
 mod row;
 mod table;
@@ -24,6 +25,7 @@ pub use bus::BusKind;
 pub use checked::CheckedSettings;
 pub use encoder_table::{ENCODER_POINTS, ENCODER_UNIT, EncoderTable};
 pub use error::SettingsError;
+pub use field_lag::FieldLag;
 pub(crate) use homing::{CREEP, INDEX_SAMPLES};
 pub use homing::{HomeReference, HomingMethod, HomingSettings, INDEX_MARGIN};
 pub use row::{Must, Row};
@@ -204,4 +206,7 @@ pub struct Settings {
     /// What stretches between the motors and their joints.
     #[serde(default)]
     pub belts: [BeltSettings; 2],
+    /// Of the rotors of steppers behind their fields.
+    #[serde(default)]
+    pub field_lags: [FieldLag; 2],
 }

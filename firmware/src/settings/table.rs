@@ -5,7 +5,7 @@
 //! The check needs the bounds alone, so the texts are in no image.
 
 use super::row::{Row, advanced, fields};
-use super::{AxisSettings, Settings};
+use super::{AxisSettings, FieldLag, Settings};
 use core::f32::consts::TAU;
 use fivebar_kinematics::Scalar;
 use serde::{Deserialize, Serialize};
@@ -348,6 +348,12 @@ fields! {
         0.0 => if all.belts_are_sound(),
             "must have positive stiffness at both joints or none: of steppers nothing else; of belts positive bandwidth and damping ratio, rotors with inertia, and encoders at most 7 ticks late"
     }
+    FieldLags {
+        "" as "field_lags",
+        "Lags of the rotors of steppers behind their fields" [""];
+        0.0 => if all.field_lags.iter().all(FieldLag::is_sound),
+            "must have no number below 0 or above 1000000"
+    }
     DisarmTimeout {
         "advanced.disarm_timeout" as "advanced.disarm_timeout",
         "Silence of the host after which an arm that is powered, at rest or held, is switched off"
@@ -452,6 +458,24 @@ const OTHERS: &[Row] = &[
         "",
         "1, 1/s, 1, N·m·s/rad, N·m/rad",
         "Gains of the observer of both sides",
+    ),
+    Row::explained(
+        "field_lags.from",
+        "rad/s",
+        "of the joint",
+        "Speed from which on a stepper's rotor lags behind its field",
+    ),
+    Row::explained(
+        "field_lags.slope",
+        "rad/(rad/s)",
+        "of the field, of the joint",
+        "By how much the lag grows with the speed there",
+    ),
+    Row::explained(
+        "field_lags.bend",
+        "rad/(rad/s)²",
+        "of the field, of the joint",
+        "By how much that falls with the speed",
     ),
     Row::explained(
         "tool_output.up_width",

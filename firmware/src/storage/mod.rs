@@ -10,7 +10,7 @@
 mod blocking;
 
 use crate::Settings;
-use crate::settings::{AdvancedSettings, BeltSettings};
+use crate::settings::{AdvancedSettings, BeltSettings, FieldLag};
 use blocking::{Blocking, finish};
 use core::ops::Range;
 use embedded_storage::nor_flash::NorFlash;
@@ -23,18 +23,22 @@ use serde::{Deserialize, Serialize};
 const FIRST_LAYOUT: u8 = 7;
 /// The first layout that ends with the belts.
 const BELTS_LAYOUT: u8 = 9;
+/// The first layout that ends with the lags of steppers' fields, behind the belts.
+const LAGS_LAYOUT: u8 = 11;
 
 /// Layout of the stored settings, and the key under which they are stored. Each number of
-/// [`AdvancedSettings`] makes a new layout, and the belts made one. So settings of an older
+/// [`AdvancedSettings`] makes a new layout, and the belts and the lags made one each. So settings of an older
 /// firmware are read, with the defaults of what they lack. Every other change of
 /// [`Settings`] needs another `FIRST_LAYOUT`, so that firmware never reads the bytes of a layout
 /// that it does not know.
-pub const LAYOUT: u8 = FIRST_LAYOUT + AdvancedSettings::COUNT as u8 + 1;
+pub const LAYOUT: u8 = FIRST_LAYOUT + AdvancedSettings::COUNT as u8 + 2;
 
 /// Bytes of each of these numbers.
 const NUMBER: usize = size_of::<f32>();
 /// Bytes of the belts: of each, ten numbers and the encoder's side.
 const BELTS: usize = 2 * (10 * NUMBER + 1);
+/// Bytes of the lags: of each, three numbers.
+const LAGS: usize = 2 * 3 * NUMBER;
 
 /// Room for an item, its key and its padding [bytes].
 const BUFFER: usize = 1024;
@@ -82,27 +86,25 @@ impl Buffer {
     }
 
     /// The item of this layout at this place, with the defaults of what it lacks: of the numbers between it
-    /// and its belts, and of the belts.
+    /// and its belts, of the belts, and of the lags behind them.
     fn item(&mut self, place: Range<usize>, layout: u8) -> Option<Item> {
         let Self(bytes) = self;
-        let mut defaults = [0; NUMBER * AdvancedSettings::COUNT + BELTS];
-        let (numbers, belts) = defaults.split_at_mut(NUMBER * AdvancedSettings::COUNT);
+        let mut defaults = [0; NUMBER * AdvancedSettings::COUNT + BELTS + LAGS];
+        let (numbers, last) = defaults.split_at_mut(NUMBER * AdvancedSettings::COUNT);
         postcard::to_slice(&AdvancedSettings::DEFAULT, numbers).ok()?;
-        postcard::to_slice(&[BeltSettings::RIGID; 2], belts).ok()?;
-        let has_belts = layout >= BELTS_LAYOUT;
-        let held = usize::from(layout.checked_sub(FIRST_LAYOUT + u8::from(has_belts))?);
+        postcard::to_slice(&([BeltSettings::RIGID; 2], [FieldLag::NONE; 2]), last).ok()?;
+        let (has_belts, has_lags) = (layout >= BELTS_LAYOUT, layout >= LAGS_LAYOUT);
+        let others = u8::from(has_belts) + u8::from(has_lags);
+        let held = usize::from(layout.checked_sub(FIRST_LAYOUT + others)?);
         let lacking = numbers.get(NUMBER * held..)?;
-        let end = if has_belts {
-            let end = place.end.checked_sub(BELTS)?;
-            belts.copy_from_slice(bytes.get(end..place.end)?);
-            end
-        } else {
-            place.end
-        };
-        let behind = bytes.get_mut(end..end + lacking.len() + BELTS)?;
-        let (behind, last) = behind.split_at_mut(lacking.len());
+        let kept = BELTS * usize::from(has_belts) + LAGS * usize::from(has_lags);
+        let end = place.end.checked_sub(kept)?;
+        let from_item = bytes.get(end..place.end)?;
+        last.get_mut(..kept)?.copy_from_slice(from_item);
+        let behind = bytes.get_mut(end..end + lacking.len() + last.len())?;
+        let (behind, end) = behind.split_at_mut(lacking.len());
         behind.copy_from_slice(lacking);
-        last.copy_from_slice(belts);
+        end.copy_from_slice(last);
         postcard::from_bytes(bytes.get(place.start..)?).ok()
     }
 }

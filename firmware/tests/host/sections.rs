@@ -4,8 +4,8 @@ use crate::messages::{number, pair};
 use fivebar_firmware::Settings;
 use fivebar_firmware::protocol::{Section, SectionKey};
 use fivebar_firmware::settings::{
-    AdvancedSettings, AxisSettings, BeltSettings, BrakeSettings, ControlSettings, HomeReference,
-    HomingMethod, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
+    AdvancedSettings, AxisSettings, BeltSettings, BrakeSettings, ControlSettings, FieldLag,
+    HomeReference, HomingMethod, HomingSettings, LinkSettings, MotionSettings, ProtectionSettings,
     ToolOutputSettings,
 };
 use proptest::prelude::*;
@@ -145,6 +145,9 @@ pub(crate) fn section() -> impl Strategy<Value = Section> {
                 )
             },
         ),
+        (any::<u8>(), prop::array::uniform3(number())).prop_map(|(index, [from, slope, bend])| {
+            Section::FieldLag(index, FieldLag { from, slope, bend })
+        }),
         pair().prop_map(|[engage_time, release_time]| {
             Section::Brake(BrakeSettings {
                 engage_time,

@@ -2,7 +2,7 @@
 
 use crate::nor::{self, Cut, Nor, SECTOR};
 use fivebar_firmware::Settings;
-use fivebar_firmware::settings::{AdvancedSettings, BeltSettings};
+use fivebar_firmware::settings::{AdvancedSettings, BeltSettings, FieldLag};
 use fivebar_firmware::storage::{LAYOUT, SettingsStorage, StorageError};
 use fivebar_testkit::Tally;
 use proptest::prelude::*;
@@ -15,6 +15,7 @@ fn settings(number: u16) -> Settings {
     settings.axes[0].resistance = -value;
     settings.protection.command_timeout = value + 0.5;
     settings.belts[1].observer[4] = value + 0.125;
+    settings.field_lags[1].bend = value + 0.25;
     settings
 }
 
@@ -151,7 +152,7 @@ fn a_half_is_erased_as_a_whole_at_its_120th_save_and_at_no_other() {
 fn a_change_of_the_settings_gives_their_layout_a_new_number() {
     let fields = format!("{:?}", settings(0));
     let digest = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(fields.as_bytes());
-    assert_eq!((LAYOUT, digest), (10, 0xd7a0_04b3), "{fields}");
+    assert_eq!((LAYOUT, digest), (11, 0x007e_6c59), "{fields}");
 }
 
 /// The flash after five saves by older firmware, of which `shown` bytes at the beginning of each half were written.
@@ -164,28 +165,37 @@ fn flash_of(shown: &[u8]) -> Nor {
     flash
 }
 
+/// Settings of this number without what layout 10 lacks.
+fn before_layout_11(number: u16) -> Settings {
+    Settings {
+        field_lags: [FieldLag::NONE; 2],
+        ..settings(number)
+    }
+}
+
 /// Settings of this number with the default of what the table of layout 9 lacks.
 fn before_layout_10(number: u16) -> Settings {
-    let mut settings = settings(number);
+    let mut settings = before_layout_11(number);
     settings.advanced.motion_torque = AdvancedSettings::DEFAULT.motion_torque;
     settings
 }
 
 /// What older firmware saved, and what its settings of this number are now: in layout 7 without `advanced`, in
-/// layout 8 with its first number, both without belts, and in layout 9 with belts.
+/// layout 8 with its first number, both without belts, and in layouts 9 and 10 with belts, without lags.
 type Older = (&'static [u8], fn(u16) -> Settings);
 
-const OLDER: [Older; 3] = [
+const OLDER: [Older; 4] = [
     (include_bytes!("../data/layout_7.bin"), |number| Settings {
         advanced: AdvancedSettings::DEFAULT,
         belts: [BeltSettings::RIGID; 2],
-        ..settings(number)
+        ..before_layout_11(number)
     }),
     (include_bytes!("../data/layout_8.bin"), |number| Settings {
         belts: [BeltSettings::RIGID; 2],
         ..before_layout_10(number)
     }),
     (include_bytes!("../data/layout_9.bin"), before_layout_10),
+    (include_bytes!("../data/layout_10.bin"), before_layout_11),
 ];
 
 #[test]

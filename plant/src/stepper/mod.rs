@@ -1,5 +1,6 @@
 //! Arms with stepper motors.
 
+mod lag;
 mod motor;
 mod plant;
 mod windings;

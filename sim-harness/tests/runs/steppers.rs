@@ -3,7 +3,7 @@
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::Scenario;
 use fivebar_kinematics::five_bar::Joint;
-use fivebar_plant::{FaultKind, PlantFault};
+use fivebar_plant::{FaultKind, Mismatch, PlantFault};
 use fivebar_sim::simulation::{Record, RunError, Simulate, Summary};
 
 pub(crate) fn benchtop(change: impl Fn(&str) -> String) -> Robot {
@@ -38,7 +38,11 @@ fn the_fastest_motion_within_the_share_of_the_torque_loses_no_step_and_far_above
     let (slow, _) = run(&scenario);
     scenario.time_optimal = Some(0.7);
     for mismatch in [-0.15, 0.0, 0.15] {
-        (scenario.mismatch.link_mass, scenario.mismatch.friction) = (mismatch, mismatch);
+        scenario.mismatch = Mismatch {
+            link_mass: mismatch,
+            friction: mismatch,
+            ..Mismatch::NONE
+        };
         let (fast, record) = run(&scenario);
         assert_eq!(fast.lost_steps, Some([0, 0]), "{mismatch}");
         assert!(record.faults.is_empty());
@@ -52,6 +56,7 @@ fn the_fastest_motion_within_the_share_of_the_torque_loses_no_step_and_far_above
     }
     let overloaded = benchtop(|text| text.replace("torque_share = 0.6", "torque_share = 1.3"));
     scenario.robot = overloaded;
+    scenario.mismatch.payload = 0.02;
     let (lost, record) = run(&scenario);
     let steps = lost.lost_steps.unwrap();
     assert!(steps.iter().any(|&steps| steps != 0), "{steps:?}");
@@ -159,8 +164,11 @@ fn arms_of_other_sizes_lose_no_step_with_masses_friction_and_supply_off() {
         assert!(robot.inertia_ratio().unwrap() < 30.0);
         let mut scenario = Scenario::new("petal", robot, "petal.gcode", petal.into());
         let off = |bit: usize| if index >> bit & 1 == 0 { 0.15 } else { -0.15 };
-        scenario.mismatch.link_mass = off(0);
-        scenario.mismatch.friction = off(1);
+        scenario.mismatch = Mismatch {
+            link_mass: off(0),
+            friction: off(1),
+            ..Mismatch::NONE
+        };
         let volts = 24.0 * (1.0 + off(2));
         scenario
             .initial_faults

@@ -106,6 +106,7 @@ impl Robot {
             belts: self
                 .field_settings()
                 .unwrap_or_else(|| belt_settings(belts, &actuators)),
+            field_lags: self.field_lags(),
             encoder_tables: actuators.map(|actuator| encoder_table(&actuator)),
         };
         if let Some(setup) = self.bus_setup() {

@@ -9,7 +9,7 @@ use super::actuator::{Actuator, Drive, Stepper};
 use super::value::single;
 use crate::refusal::{Key, Refusal, Refusals};
 use fivebar_design::time_optimal::FallingTorque;
-use fivebar_firmware::settings::BeltSettings;
+use fivebar_firmware::settings::{BeltSettings, FieldLag};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::{DriverMode, Stepper as Motor};
 use std::f64::consts::TAU;
@@ -47,6 +47,14 @@ impl Robot {
         Some(motors.map(|motor| BeltSettings::spring(single(motor.stiffness()))))
     }
 
+    /// By how much the rotors of steppers lag behind their fields on this supply, for the controller; none of other motors.
+    pub(super) fn field_lags(&self) -> [FieldLag; 2] {
+        let motors = self.steppers();
+        motors.map_or([FieldLag::NONE; 2], |motors| {
+            motors.map(|motor| motor.field_lag(self.supply.voltage))
+        })
+    }
+
     /// The inertias at the motors of an arm at home, rotors included [kg·m²]; none without steppers.
     fn inertia_at_motors(&self) -> Option<[f64; 2]> {
         let motors = self.steppers()?;
@@ -66,11 +74,10 @@ impl Robot {
         Some(periods[0].max(periods[1]))
     }
 
-    /// The joints' speeds up to which the currents of steppers follow the micro-steps, also with no load [rad/s]; none of
-    /// other motors.
-    pub fn tracked_speed(&self) -> Option<[f64; 2]> {
+    /// The joints' speeds up to which the field's lead for steppers is known [rad/s]; none of other motors.
+    pub fn led_speed(&self) -> Option<[f64; 2]> {
         let motors = self.steppers()?;
-        Some(motors.map(|motor| motor.tracked_speed(self.supply.voltage) / motor.gear_ratio.abs()))
+        Some(motors.map(|motor| motor.led_speed(self.supply.voltage) / motor.gear_ratio.abs()))
     }
 
     /// The torques at the joints that a time-optimal plan may take of steppers at each speed; none of other motors.
