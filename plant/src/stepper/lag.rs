@@ -54,8 +54,15 @@ impl Stepper {
         let slope = near.1 + bend * near.0;
         let ratio = self.gear_ratio.abs();
         let at_joint = [ONSET * tracked / ratio, slope * ratio, bend * ratio * ratio];
-        // `max` of what is not a number is 0.
-        let [from, slope, bend] = at_joint.map(|number| number.max(0.0).min(GREATEST) as f32);
+        // 0 for what is not a number.
+        let bounded = |number: f64| {
+            if number > 0.0 {
+                number.min(GREATEST)
+            } else {
+                0.0
+            }
+        };
+        let [from, slope, bend] = at_joint.map(|number| bounded(number) as f32);
         FieldLag { from, slope, bend }
     }
 
