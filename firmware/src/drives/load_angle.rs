@@ -28,6 +28,10 @@ pub(super) struct LoadAngle {
     compliance: f32,
     /// Of the rotor behind its field, at the joint's speed.
     lag: FieldLag,
+    /// That lag at the speed of some ticks ago, in the direction of the field [rad].
+    lags: f32,
+    /// The joint's speed [rad/s].
+    speed: f32,
     /// Whether the motor turns against its joint.
     is_reversed: bool,
     /// What of the micro-steps made is lead.
@@ -44,6 +48,8 @@ impl LoadAngle {
                 0.0
             },
             lag,
+            lags: 0.0,
+            speed: 0.0,
             is_reversed: gear_ratio < 0.0,
             made: 0,
         }
@@ -55,17 +61,33 @@ impl LoadAngle {
         self.made
     }
 
-    /// The micro-steps by which the field should lead, for this torque [N·m] at this speed [rad/s] of the joint: as
-    /// before, for no torque and for one that is not a number.
+    /// The micro-steps by which the field should lead, for this torque [N·m] and the lag at the speed [rad/s] of the joint some
+    /// ticks ago: as before, for no torque and for one that is not a number.
     #[inline(always)]
-    pub(super) fn wanted(self, torque: Option<f32>, speed: f32, resolution: Resolution) -> f32 {
+    pub(super) fn wanted(
+        &mut self,
+        torque: Option<f32>,
+        speed: f32,
+        resolution: Resolution,
+    ) -> f32 {
+        self.speed = speed;
         let Some(torque) = torque.filter(|torque| Scalar::is_finite(*torque)) else {
             return self.made as f32;
         };
         let periods = 0.25 * f32::from(resolution.full_steps);
         let sine = (torque * self.compliance * periods).clamp(-MOST, MOST);
-        let lag = self.lag.at(if self.is_reversed { -speed } else { speed });
-        (arcsine(sine) + lag) * (2.0 / PI) * f32::from(resolution.microsteps)
+        (arcsine(sine) + self.lags) * (2.0 / PI) * f32::from(resolution.microsteps)
+    }
+
+    /// Takes the lag at the present speed: not in every tick, because the lag changes slowly.
+    #[inline(always)]
+    pub(super) fn follow_lag(&mut self) {
+        let speed = if self.is_reversed {
+            -self.speed
+        } else {
+            self.speed
+        };
+        self.lags = self.lag.at(speed);
     }
 
     /// The field leads by so many micro-steps.
@@ -96,7 +118,7 @@ mod tests {
         for gear_ratio in [4.0_f32, -3.0] {
             let holding = 0.4;
             let stiffness = gear_ratio * gear_ratio * 50.0 * holding;
-            let lead = LoadAngle::new(gear_ratio, stiffness, FieldLag::NONE);
+            let mut lead = LoadAngle::new(gear_ratio, stiffness, FieldLag::NONE);
             for (share, within) in [
                 (-0.9_f32, 2e-2),
                 (-0.3, 1e-5),
@@ -126,7 +148,7 @@ mod tests {
         for torque in [None, Some(f32::NAN), Some(f32::INFINITY)] {
             assert_eq!(lead.wanted(torque, 30.0, NEMA17), 7.0);
         }
-        let unknown = LoadAngle::new(4.0, 0.0, FieldLag::NONE);
+        let mut unknown = LoadAngle::new(4.0, 0.0, FieldLag::NONE);
         assert_eq!(unknown.wanted(Some(1.0), 0.0, NEMA17), 0.0);
     }
 
@@ -145,7 +167,9 @@ mod tests {
             (-4.0, 20.0, -1.0),
             (4.0, 14.0, 0.0),
         ] {
-            let lead = LoadAngle::new(gear_ratio, 320.0, lag);
+            let mut lead = LoadAngle::new(gear_ratio, 320.0, lag);
+            lead.wanted(Some(0.0), speed, NEMA17);
+            lead.follow_lag();
             let wanted = lead.wanted(Some(0.0), speed, NEMA17);
             assert!((wanted - sign * expected).abs() < 1e-4, "{wanted}");
         }

@@ -255,11 +255,17 @@ impl Drives for StepDrives {
         }
     }
 
-    fn watch_heat(&mut self, _: Joint) -> Option<Fault> {
+    /// In its place: the lag of the currents.
+    #[inline(always)]
+    fn watch_heat(&mut self, joint: Joint) -> Option<Fault> {
+        self.follow_lag(joint);
         None
     }
 
-    fn watch_loop(&mut self, _: Joint) -> Option<Fault> {
+    /// Likewise.
+    #[inline(always)]
+    fn watch_loop(&mut self, joint: Joint) -> Option<Fault> {
+        self.follow_lag(joint);
         None
     }
 
@@ -278,6 +284,18 @@ impl Drives for StepDrives {
     }
 
     fn excite(&mut self, _: Joint, _: Excited, _: f32, _: f32) {}
+}
+
+impl StepDrives {
+    #[inline(always)]
+    fn follow_lag(&mut self, joint: Joint) {
+        let [axis1, axis4] = &mut self.axes;
+        let axis = match joint {
+            Joint::Joint1 => axis1,
+            Joint::Joint4 => axis4,
+        };
+        axis.load_angle.follow_lag();
+    }
 }
 
 impl Axis {

@@ -29,11 +29,11 @@ impl FieldLag {
     /// The lag at this speed of the joint [rad/s], with the speed's sign [rad of the field]; at most 2 rad.
     #[inline(always)]
     pub fn at(&self, speed: f32) -> f32 {
-        // `max` of what is not a number is 0.
-        let excess = (Scalar::abs(speed) - self.from).max(0.0);
-        let lag = (excess * (self.slope - self.bend * excess)).max(0.0);
-        // `clamp` could panic.
-        let lag = lag.min(MOST);
+        // Comparisons, because `max` and `min` are calls on the microcontroller; of what is not a number there is none.
+        let excess = Scalar::abs(speed) - self.from;
+        let lag = excess * (self.slope - self.bend * excess);
+        let lag = if excess > 0.0 && lag > 0.0 { lag } else { 0.0 };
+        let lag = if lag < MOST { lag } else { MOST };
         if speed < 0.0 { -lag } else { lag }
     }
 

@@ -85,9 +85,11 @@ impl Buffer {
         Some(number)
     }
 
-    /// The item of this layout at this place, with the defaults of what it lacks: of the numbers between it
+    /// The bytes of the item of this layout at this place, with the defaults of what it lacks: of the numbers between it
     /// and its belts, of the belts, and of the lags behind them.
-    fn item(&mut self, place: Range<usize>, layout: u8) -> Option<Item> {
+    // A call of its own: its defaults are not on the stack beside an item.
+    #[inline(never)]
+    fn completed(&mut self, place: Range<usize>, layout: u8) -> Option<&[u8]> {
         let Self(bytes) = self;
         let mut defaults = [0; NUMBER * AdvancedSettings::COUNT + BELTS + LAGS];
         let (numbers, last) = defaults.split_at_mut(NUMBER * AdvancedSettings::COUNT);
@@ -105,7 +107,7 @@ impl Buffer {
         let (behind, end) = behind.split_at_mut(lacking.len());
         behind.copy_from_slice(lacking);
         end.copy_from_slice(last);
-        postcard::from_bytes(bytes.get(place.start..)?).ok()
+        bytes.get(place.start..)
     }
 }
 
@@ -293,7 +295,10 @@ impl<F: NorFlash> SettingsStorage<F> {
             let is_newer = newest
                 .as_ref()
                 .is_none_or(|(other, _)| number.wrapping_sub(other.number).cast_signed() > 0);
-            if is_newer && let Some(item) = buffer.item(place, layout) {
+            if is_newer
+                && let Some(bytes) = buffer.completed(place, layout)
+                && let Ok(item) = postcard::from_bytes(bytes)
+            {
                 *newest = Some((item, half.clone()));
             }
         }

@@ -88,7 +88,11 @@ pub fn load(
     settings: &mut CheckedSettings,
 ) -> Result<(), StorageError> {
     let storage = storage.as_mut().ok_or(StorageError::Range)?;
-    check(&storage.load()?, limits, settings)
+    // By reference: the stack holds them once.
+    match &storage.load() {
+        Ok(stored) => check(stored, limits, settings),
+        Err(error) => Err(*error),
+    }
 }
 
 /// The settings of a board on which none were stored.
