@@ -1,8 +1,12 @@
 //! The moves that a host can ask for: in the protocol and in the planner's queue.
 
 mod crossing;
+mod stream;
 
 pub use crossing::CrossingMove;
+pub use stream::{
+    StreamConfig, StreamError, StreamMode, StreamPhase, StreamPoint, StreamProgress, StreamReason,
+};
 
 use fivebar_kinematics::trajectory::{Curve, TimeLaw};
 use nalgebra::Vector2;

@@ -20,6 +20,7 @@ mod rest;
 mod setpoint;
 mod setpoint_history;
 mod status;
+mod streaming;
 mod tick;
 mod time_slices;
 mod tracking;
@@ -59,6 +60,7 @@ use rest::Rest;
 use setpoint::Setpoint;
 use setpoint_history::SetpointHistory;
 pub use status::{JointReference, Snapshot, Status};
+pub(crate) use streaming::Splice;
 use transitions::Latched;
 
 /// The controller of an arm with brushed motors on H-bridges.

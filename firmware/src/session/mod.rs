@@ -6,10 +6,12 @@
 
 mod sampler;
 mod start;
+mod stream;
 
 use crate::board::{Board, SharedController};
 use crate::controller::{self, ArmController};
 use crate::drives::{BrushedCommand, Drives};
+use crate::motion::StreamReason;
 use crate::planner::Planner;
 use crate::protocol::{
     BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply,
@@ -57,6 +59,8 @@ pub struct Session {
     in_use: CheckedSettings,
     draft: Settings,
     sampler: Sampler,
+    /// When the state of a stream is due.
+    stream_sampler: Sampler,
 }
 
 impl Session {
@@ -71,6 +75,7 @@ impl Session {
             in_use: *settings,
             draft: **settings,
             sampler: Sampler::off(),
+            stream_sampler: Sampler::off(),
         }
     }
 
@@ -87,6 +92,13 @@ impl Session {
             // Every command except `Tick`, which comes from the plant, is a sign of life of the host.
             controller.lock(ArmController::feed_host_timeout);
         }
+        if let HostCommand::Point(point) = &command {
+            // It is neither numbered with the commands nor answered.
+            if self.host.is_some() {
+                planner.take_point(controller, sequence.0, point);
+            }
+            return None;
+        }
         if let HostCommand::Request(Request::EmergencyStop) = command {
             // Executed whatever its sequence number.
             controller.lock(|controller| controller.latch_fault(Fault::EmergencyStop));
@@ -100,7 +112,7 @@ impl Session {
                 .as_ref()
                 .is_none_or(|host| host.session != session)
             {
-                self.begin_session();
+                self.begin_session(planner);
                 return self.store_reply::<C>(session, sequence, Reply::Hello(self.identity));
             }
         }
@@ -122,11 +134,16 @@ impl Session {
         }
     }
 
-    /// The sample of telemetry that is due, if one is. To be called when it can be sent.
+    /// The state of a stream or the sample of telemetry that is due, if one is. To be called when it can be sent.
     pub fn telemetry(
         &mut self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        planner: &Planner,
     ) -> Option<Frame> {
+        let state = self.stream_state(controller, planner);
+        if state.is_some() {
+            return state;
+        }
         let tick = controller.lock(|controller| controller.ticks());
         let number = self.sampler.due(tick)?;
         let sample = controller.lock(|controller| controller.status_sample());
@@ -135,8 +152,10 @@ impl Session {
         encode(&ControllerMessage::<BrushedCommand>::Telemetry(telemetry))
     }
 
-    /// Clears the draft and the telemetry of the session before.
-    fn begin_session(&mut self) {
+    /// Clears the draft and the telemetry of the session before, and ends its stream.
+    fn begin_session(&mut self, planner: &mut Planner) {
+        planner.end_stream(StreamReason::Stopped);
+        self.stream_sampler = Sampler::off();
         self.draft = *self.in_use;
         self.sampler = Sampler::off();
     }
@@ -165,7 +184,7 @@ impl Session {
     ) -> Reply<C> {
         let outcome = match command {
             HostCommand::Hello { .. } => {
-                self.begin_session();
+                self.begin_session(planner);
                 Ok(Reply::Hello(self.identity))
             }
             HostCommand::Status => Ok(Reply::Status {
@@ -234,6 +253,13 @@ impl Session {
                 controller.lock(|controller| controller.excitation_end()),
             )),
             HostCommand::BoardTest(test) => test_board(test, controller, board),
+            HostCommand::BeginStream(config) => self.begin_stream(controller, planner, &config),
+            // It was taken before.
+            HostCommand::Point(_) => Err(CommandError::Unsupported),
+            HostCommand::EndStream => {
+                planner.end_stream(StreamReason::Asked);
+                Ok(Reply::Done)
+            }
         };
         outcome.unwrap_or_else(Reply::Refused)
     }
@@ -274,6 +300,7 @@ impl Session {
         self.in_use.clone_from(settings);
         self.has_settings = true;
         self.sampler.restart_ticks();
+        self.stream_sampler = Sampler::off();
         Ok(Reply::Done)
     }
 

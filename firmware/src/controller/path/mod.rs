@@ -20,6 +20,7 @@ use queue::PathQueue;
 pub(crate) use brake::stopping_time;
 pub(crate) use output::{PathOutput, least_rest};
 pub use queue::QUEUED_SEGMENTS;
+pub(crate) use queue::SPLICED;
 
 /// With this many queued segments or more the planner is not late, even if they are short.
 const FEW_SEGMENTS: u32 = QUEUED_SEGMENTS as u32 / 2;
@@ -203,6 +204,26 @@ impl Path {
         if self.queue.ends_in_motion() || self.is_enough() {
             self.commit();
         }
+    }
+
+    /// Number of segments ever pushed, modulo 2³².
+    pub(crate) fn pushed(&self) -> u32 {
+        self.queue.pushed()
+    }
+
+    /// Puts other segments, of which the last ends at rest, in the place of all behind the n-th one ever; that one ends
+    /// after this duration [s] if there is one. Returns whether it has: not after that segment, in a stop, or without room.
+    pub(crate) fn splice(
+        &mut self,
+        n: u32,
+        duration: Option<f32>,
+        behind: &[QueuedSegment; SPLICED],
+    ) -> bool {
+        if self.brake.is_some() || !self.queue.takes(n) {
+            return false;
+        }
+        self.committed_left += self.queue.splice(n, duration, behind);
+        true
     }
 
     fn commit(&mut self) {

@@ -13,6 +13,9 @@ use fivebar_kinematics::trajectory::TrajectorySegment;
 /// Room for segments in the queue.
 pub const QUEUED_SEGMENTS: usize = 32;
 
+/// The segments of a splice.
+pub(crate) const SPLICED: usize = 4;
+
 /// The longest time that a segment counts for [µs]. No caller distinguishes longer times, and
 /// the sum of a full queue stays far from overflow.
 const LONGEST: u32 = 60_000_000;
@@ -173,6 +176,45 @@ impl PathQueue {
         slot.queued.limits = queued.limits;
         slot.changes_tool = changes_tool;
         slot.end = self.pushed.end;
+    }
+
+    /// Number of segments ever pushed; wraps.
+    pub(super) fn pushed(&self) -> u32 {
+        self.pushed.count
+    }
+
+    /// Whether the n-th segment ever is committed and not passed, and a splice has room behind it.
+    pub(super) fn takes(&self, n: u32) -> bool {
+        let ahead = n.wrapping_sub(self.passed);
+        0 < ahead && ahead <= self.len() && ahead as usize + SPLICED <= QUEUED_SEGMENTS
+    }
+
+    /// Puts other segments in the place of all behind the n-th one ever, which is held and gets this duration [s] if there
+    /// is one. There is room for them. Returns how much longer the committed path is [s].
+    pub(super) fn splice(
+        &mut self,
+        n: u32,
+        duration: Option<f32>,
+        behind: &[QueuedSegment; SPLICED],
+    ) -> f32 {
+        let before = self.committed.end;
+        if let Some(kept) = self.slots.get_mut(slot(n.wrapping_sub(1))) {
+            if let Some(duration) = duration {
+                let shorter = kept.queued.segment.duration() - duration;
+                kept.end = kept.end.wrapping_sub((shorter * 1e6) as u32);
+                kept.queued.segment.shorten(duration);
+            }
+            self.pushed = Extent {
+                count: n,
+                end: kept.end,
+                in_motion: true,
+            };
+        }
+        for segment in behind {
+            self.push(segment, false);
+        }
+        self.committed = self.pushed;
+        self.committed.end.wrapping_sub(before) as i32 as f32 * 1e-6
     }
 
     /// Commits all pushed segments. Returns the time [s] that this adds behind the first one.

@@ -257,7 +257,7 @@ mod app {
                 }
             }
             local.planner.run(controller);
-            if let Some(frame) = local.session.telemetry(controller) {
+            if let Some(frame) = local.session.telemetry(controller, local.planner) {
                 local.sender.send(&frame);
             }
             local.services.times.count();
