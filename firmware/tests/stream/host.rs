@@ -33,16 +33,21 @@ impl Streaming {
         Self::with(&settings(), mode, delay_ms)
     }
 
+    /// As [`Self::begin`], of an arm with these settings.
     pub(crate) fn with(settings: &Settings, mode: StreamMode, delay_ms: u32) -> Self {
-        Self::over(Rig::armed(settings), mode, delay_ms)
+        Self::over(Rig::armed(settings), mode, 1, delay_ms)
     }
 
-    /// A stream of an arm that is held.
-    pub(crate) fn over(mut rig: Rig, mode: StreamMode, delay_ms: u32) -> Self {
+    /// As [`Self::begin`], with a point each `period` milliseconds.
+    pub(crate) fn paced(mode: StreamMode, period: u32, delay_ms: u32) -> Self {
+        Self::over(Rig::armed(&settings()), mode, period, delay_ms)
+    }
+
+    fn over(mut rig: Rig, mode: StreamMode, period: u32, delay_ms: u32) -> Self {
         let config = StreamConfig {
             id: ID,
             mode,
-            period: MS as u16,
+            period: (period * MS) as u16,
             delay: (delay_ms * MS) as u16,
         };
         let begun = rig.planner.begin_stream(&mut rig.controller, &config);

@@ -5,4 +5,5 @@ mod rig;
 
 mod host;
 
+mod cases;
 mod following;

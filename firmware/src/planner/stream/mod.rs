@@ -275,6 +275,8 @@ impl Planner {
             return Err(StreamReason::Early);
         }
         let start = match &stream.end {
+            // The new piece takes one more slot than its stop, which is in the queue, too.
+            Some(_) if snapshot.path_free == 0 => return Err(StreamReason::Full),
             Some(end) => self.go_on(end, now, point.due)?,
             None => return self.start_from_rest(controller, snapshot, stream, n, point, now),
         };
