@@ -4,9 +4,7 @@ mod crossing;
 mod stream;
 
 pub use crossing::CrossingMove;
-pub use stream::{
-    StreamConfig, StreamError, StreamMode, StreamPhase, StreamPoint, StreamProgress, StreamReason,
-};
+pub use stream::{StreamConfig, StreamMode, StreamPoint};
 
 use fivebar_kinematics::trajectory::{Curve, TimeLaw};
 use nalgebra::Vector2;

@@ -50,6 +50,7 @@ use index_check::Landmarks;
 use joint::Joint;
 use model::Model;
 use nalgebra::Vector2;
+pub(crate) use path::Change;
 use path::{Path, PathOutput};
 pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub(crate) use path::{least_rest, stopping_time};

@@ -1,22 +1,22 @@
 //! The controller's interface to a stream of set-points: the path that the planner extends before its end, and what the host
 //! is told meanwhile.
 
-use super::path::SPLICED;
+use super::path::Change;
 use super::{ArmController, QUEUED_SEGMENTS, QueuedSegment};
 use crate::drives::Drives;
 use crate::safety::{Fault, State};
 
-/// Other segments for the path behind one of them.
+/// How a path goes on in place of its stop.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Splice {
-    /// The tick in which they begin.
+pub(crate) struct Splice<'a> {
+    /// The tick in which it does.
     pub(crate) begins: u32,
-    /// The number of segments ever pushed up to the one that they follow.
-    pub(crate) behind: u32,
-    /// The time after which that one ends [s]; none: as it does.
-    pub(crate) shortened: Option<f32>,
-    /// They end at rest.
-    pub(crate) segments: [QueuedSegment; SPLICED],
+    /// The number of segments ever pushed, with the last committed one.
+    pub(crate) last: u32,
+    /// What becomes of that.
+    pub(crate) change: Change<'a>,
+    /// The number with the segments that were stored behind it.
+    pub(crate) commits: u32,
 }
 
 /// The joints, as a host is told of them. Pairs are of joint 1 and joint 4.
@@ -56,16 +56,20 @@ impl<D: Drives> ArmController<D> {
         Some([self.ticks.wrapping_add(1), self.path.pushed()])
     }
 
-    /// Goes on with other segments. Returns whether they were taken: not if they begin too soon, or the path was dropped
+    /// Stores a segment for a splice, so that this only has to change one: the tick waits for no more than a segment's copy. It
+    /// begins so long after the last committed one does [s].
+    pub(crate) fn store_for_splice(&mut self, n: u32, queued: &QueuedSegment, after: f32) {
+        self.path.store_behind(n, queued, after);
+    }
+
+    /// Goes on in another way than by the stop. Returns whether it does: not if that begins too soon, or the path was dropped
     /// or is being stopped.
-    pub(crate) fn splice_path(&mut self, path_generation: u32, splice: &Splice) -> bool {
+    pub(crate) fn splice_path(&mut self, path_generation: u32, splice: &Splice<'_>) -> bool {
         let ahead = splice.begins.wrapping_sub(self.ticks) as i32;
         self.state.follows_paths()
             && ahead > 0
             && path_generation == self.path_generation
-            && self
-                .path
-                .splice(splice.behind, splice.shortened, &splice.segments)
+            && self.path.splice(splice.last, splice.change, splice.commits)
     }
 
     /// Latches the fault of a silent host while an arm is held whose host streams set-points. Along a path the tick does.

@@ -1,8 +1,5 @@
-//! A stream of set-points: how it begins, its points, and what the controller tells of it.
+//! A stream of set-points: how it begins, and its points.
 
-use crate::planner::MoveErrorKind;
-use crate::safety::State;
-use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// What the points of a stream say.
@@ -20,7 +17,7 @@ pub enum StreamMode {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StreamConfig {
     /// The host's number for the stream: each point repeats it, so a late point of another stream is not taken.
-    pub id: u8,
+    pub id: u32,
     /// What its points say.
     pub mode: StreamMode,
     /// Ticks from one point to the next.
@@ -29,127 +26,16 @@ pub struct StreamConfig {
     pub delay: u16,
 }
 
-/// A set-point. Between two of them each coordinate is the cubic by their positions and velocities.
+/// A set-point, of whole words: a message is copied without a call in the interrupt that receives it. Between two of them each coordinate is the cubic by their positions and velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StreamPoint {
     /// The number of its stream.
-    pub id: u8,
+    pub id: u32,
     /// The controller's tick in which the set-point is there.
     pub due: u32,
     /// θ1, θ4 [rad] or x, y [m].
     pub position: [f32; 2],
     /// Its velocity [rad/s or m/s].
     pub velocity: [f32; 2],
-}
-
-/// Why a stream does not begin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum StreamError {
-    /// The arm is not armed.
-    State(State),
-    /// The arm moves, wakes up or has moves queued.
-    Moving,
-    /// The delay is not 2 to 200 ms, or it is not one to 26 periods.
-    Rate,
-}
-
-/// What a stream does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum StreamPhase {
-    /// The arm rests and waits for the first point.
-    Waits,
-    /// The arm follows points.
-    Follows,
-    /// No point came in time: the arm comes to rest, or rests. A point near it goes on.
-    Starved,
-    /// No more points are taken: the arm comes to rest.
-    Ends,
-    /// It has ended, and the arm rests or has a fault.
-    Ended,
-}
-
-/// Why a stream ends, or why it has not taken a point.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum StreamReason {
-    /// The host ended it.
-    Asked,
-    /// A stop, a fault, a disarm or another session ended it.
-    Stopped,
-    /// The point came too late to be followed.
-    Late,
-    /// A number is infinite or not a number.
-    Number,
-    /// The point is due more than 250 ms ahead.
-    Early,
-    /// The point is due no later than the one before, or its number has come.
-    Order,
-    /// There is no room for another point.
-    Full,
-    /// More than the delay, or more than 60 ms, are between the point and the one before.
-    Gap,
-    /// The first point, or the first one after a rest, is so far from the arm [rad or m].
-    Away(f32),
-    /// The motion to the point, or the stop behind it, would pass a limit: the arm stops before.
-    Limit(MoveErrorKind),
-}
-
-/// What a stream has done so far. The counts saturate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StreamProgress {
-    /// The number of the stream.
-    pub id: u8,
-    /// What it does.
-    pub phase: StreamPhase,
-    /// The latest reason.
-    pub reason: Option<StreamReason>,
-    /// The number of the point taken last.
-    pub last: Option<u16>,
-    /// Points that came too late.
-    pub late: u16,
-    /// Points that never came, over which the motion was bridged.
-    pub lost: u16,
-    /// Points that were refused.
-    pub refused: u16,
-}
-
-impl fmt::Display for StreamError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::State(state) => write!(f, "no stream begins while {state:?}: arm first"),
-            Self::Moving => {
-                f.write_str("a stream begins where the arm rests and has nothing to do")
-            }
-            Self::Rate => f.write_str("the delay must be 2 to 200 ms, and one to 26 periods"),
-        }
-    }
-}
-
-impl core::error::Error for StreamError {}
-
-impl fmt::Display for StreamReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Asked => "the host ended the stream",
-            Self::Stopped => "a stop, a fault or another session ended the stream",
-            Self::Late => "a point came too late: give a longer delay",
-            Self::Number => "a number of a point is infinite or not a number",
-            Self::Early => "a point is due more than 250 ms ahead",
-            Self::Order => "a point is due no later than the one before, or its number has come",
-            Self::Full => "points come faster than the stream's period",
-            Self::Gap => "more than the delay, or than 60 ms, are between two points",
-            Self::Away(distance) => {
-                return write!(
-                    f,
-                    "the first point is {distance} rad or m from the arm: move there first"
-                );
-            }
-            Self::Limit(kind) => return write!(f, "the arm stops before a point: {kind}"),
-        })
-    }
 }

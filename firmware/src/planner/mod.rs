@@ -44,6 +44,7 @@ use timed::ToolMotion;
 
 pub use error::{LONGEST, MoveError, MoveErrorKind};
 pub use segment_feed::SEGMENTS_PER_RUN;
+pub use stream::{StreamError, StreamPhase, StreamProgress, StreamReason};
 
 /// Planned segments in the look-ahead. A move takes one, and two more for a rounded corner.
 pub const PLANNED_SEGMENTS: usize = 96;

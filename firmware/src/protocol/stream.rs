@@ -1,6 +1,6 @@
 //! What the controller tells of a stream of set-points while it lasts.
 
-use crate::motion::StreamProgress;
+use crate::planner::StreamProgress;
 use serde::{Deserialize, Serialize};
 
 /// A stream and the joints after a tick. Pairs are of joint 1 and joint 4.

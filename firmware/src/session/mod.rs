@@ -11,8 +11,8 @@ mod stream;
 use crate::board::{Board, SharedController};
 use crate::controller::{self, ArmController};
 use crate::drives::{BrushedCommand, Drives};
-use crate::motion::StreamReason;
 use crate::planner::Planner;
+use crate::planner::StreamReason;
 use crate::protocol::{
     BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply,
     Sequence, SequenceCheck, StepResult, Telemetry, VERSION, encode,

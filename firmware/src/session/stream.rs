@@ -3,8 +3,9 @@
 use super::Session;
 use crate::controller::ArmController;
 use crate::drives::{BrushedCommand, Drives};
-use crate::motion::{StreamConfig, StreamPhase};
+use crate::motion::StreamConfig;
 use crate::planner::Planner;
+use crate::planner::StreamPhase;
 use crate::protocol::{CommandError, ControllerMessage, Frame, Reply, StreamState, encode};
 use rtic_core::Mutex;
 

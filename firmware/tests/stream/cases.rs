@@ -4,10 +4,9 @@ use crate::host::{ID, MS, Motion, Streaming, sine};
 use crate::rig::{Rig, START, settings, with};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::motion::{
-    StreamConfig, StreamError, StreamMode, StreamPhase, StreamPoint, StreamReason,
-};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
 use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::planner::{StreamError, StreamPhase, StreamReason};
 use fivebar_firmware::safety::{Fault, State};
 
 /// The delay of the streams [ms].
@@ -86,7 +85,7 @@ fn lost_points_are_bridged_and_counted() {
 }
 
 #[test]
-fn a_dry_stream_keeps_its_velocity_for_two_periods_then_stops_without_a_fault() {
+fn a_dry_stream_nearly_keeps_its_velocity_for_two_periods_then_stops_without_a_fault() {
     let (mut stream, _) = followed(100);
     let at_end = stream.begun + 99 * MS + DELAY * MS;
     while stream.rig.controller.ticks() < at_end {
@@ -103,17 +102,14 @@ fn a_dry_stream_keeps_its_velocity_for_two_periods_then_stops_without_a_fault() 
             .velocity
     };
     let kept = velocity(&stream);
-    for _ in 0..2 * MS {
+    for tick in 1..=2 * MS {
         stream.rig.controller.feed_host_timeout();
         stream.tick();
-        let now = velocity(&stream);
-        assert!(
-            (now[0] - kept[0]).abs() < 1e-5 && (now[1] - kept[1]).abs() < 1e-5,
-            "{now:?} {kept:?}"
-        );
+        let share = velocity(&stream)[0] / kept[0];
+        let least = if tick <= MS { 0.985 } else { 0.94 };
+        assert!((least..1.01).contains(&share), "{tick}: {share}");
     }
     stream.ticks(2);
-    assert!((velocity(&stream)[0] - kept[0]).abs() > 1e-5);
     assert_eq!(stream.phase(), StreamPhase::Starved);
     assert_eq!(until_rest(&mut stream), StreamPhase::Starved);
     assert_eq!(stream.rig.controller.status().fault, None);

@@ -2,8 +2,9 @@
 
 use crate::host::{MS, Motion, Streaming, sine};
 use crate::rig::{Rig, settings};
-use fivebar_firmware::motion::{StreamMode, StreamPhase};
+use fivebar_firmware::motion::StreamMode;
 use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::{Move, MoveKind, TimedCurve, TimedMove};
 
 /// The delay of the streams [ms].

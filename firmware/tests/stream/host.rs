@@ -1,16 +1,15 @@
 //! A host that streams set-points to a bench arm.
 
 use crate::rig::{Rig, settings};
-use fivebar_firmware::motion::{
-    StreamConfig, StreamMode, StreamPhase, StreamPoint, StreamProgress,
-};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::planner::{StreamPhase, StreamProgress};
 use fivebar_firmware::settings::Settings;
 use std::collections::VecDeque;
 
 /// The ticks of a millisecond.
 pub(crate) const MS: u32 = 10;
 /// The number of the streams.
-pub(crate) const ID: u8 = 3;
+pub(crate) const ID: u32 = 3;
 
 /// A motion of a host: position and velocity at a time [s], from rest at 0.
 pub(crate) type Motion<'a> = &'a dyn Fn(f64) -> [[f64; 2]; 2];

@@ -1,49 +1,50 @@
 //! How a motion stops that nobody goes on with: planned and checked before it may be needed.
 //!
-//! Both joints go on along the straight line of their velocities, first as fast as they are, then slower. With
-//! the speed v of the faster one and the time T, its jerk is −4v/T² for T/2 and 4v/T² for T/2, so its greatest
-//! deceleration is 2v/T and its way vT/2. T is such that both joints keep their accelerations and their jerks, which have the
-//! ratio to these that the tool's limits have.
+//! The tool goes on along the straight line of its velocity, hardly slower at first, then slower until it rests. With the
+//! speed v and the time T its speed is v (1 − 4x³ + 3x⁴), x = t/T, its way v T (x − x⁴ + ⅗x⁵). So its greatest deceleration is
+//! 16/9 v/T at x = ⅔, and after a fifth of T it has 97 % of its speed. T is such that the joints keep about their accelerations, and
+//! jerks that have the ratio to these that the tool's limits have; what they need on the way is checked.
 
+use super::curve::Curve;
 use super::envelope::Envelope;
 use super::error::ConstraintViolation;
-use super::number::{max, min};
-use super::reference::Reference;
-use super::trajectory_segment::{Shape, TimeLaw, ToolOutput, TrajectorySegment};
-use super::verify::RESERVE_ANGLE;
-use crate::Scalar;
+use super::hermite::ToolMotion;
+use super::number::max;
+use super::trajectory_segment::{TimeLaw, ToolOutput, TrajectorySegment};
 use crate::control::FrictionCompensation;
-use crate::five_bar::{Joint, Side, Singularity, WorkspaceViolation};
+use crate::{PlanarVector, Scalar};
+use nalgebra::Vector2;
 
 /// T in times of the shortest one, tried in this order: a longer stop needs less torque and more way.
-const LENGTHS: [f64; 3] = [1.05, 1.7, 2.7];
-/// The greatest turn of the faster joint between two places at which a stop is checked [rad].
-const TURN: f64 = 0.06;
-/// The most places of a part, and the fewest.
-const PLACES: [u32; 2] = [24, 2];
-/// The share of the margin that a stop keeps besides, so that a motion can begin where it ends.
-const RESERVE: f64 = 1.02;
+const LENGTHS: [f64; 3] = [1.1, 1.8, 3.0];
+/// The greatest deceleration in times of v/T.
+const DECELERATION: f64 = 16.0 / 9.0;
+/// The greatest jerk in times of v/T².
+const JERK: f64 = 12.0;
+/// The least length of a stop [m]: where nothing moves, its parameter still goes on.
+const LEAST: f64 = 1e-6;
+/// The times at which the joints' demands are checked, besides the beginning.
+const PLACES: u32 = 16;
+/// The share of accelerations and torques that a stop uses there: what is greater between the places has the rest.
+const USABLE: f64 = 0.97;
 
-/// Where a stop begins and how.
+/// Where a stop begins, and how fast the joints are there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopStart<S> {
+    /// The tool.
+    pub tool: ToolMotion<S>,
     /// θ1, θ4 [rad].
     pub angles: [S; 2],
     /// ω1, ω4 [rad/s].
     pub rates: [S; 2],
-    /// The time for which they are kept [s].
-    pub coast: S,
-    /// The shortest time of either half of the stop [s].
-    pub least_half: S,
-    /// The arm's assembly mode.
-    pub assembly: Side,
+    /// The shortest time of a stop [s].
+    pub least: S,
 }
 
 impl<S: Scalar> Envelope<S> {
-    /// The segments of a stop from there: with constant speed, with more and with less deceleration. The arm keeps the joints'
-    /// limits, their torques with friction, and the margin from all singularities along it.
-    ///
-    /// The poses are checked at places so near each other that what passes a limit between them is small against it.
+    /// The segment of a stop from there. The arm keeps the joints' limits and the margin from all singularities along the whole
+    /// of it, as along any path, and the joints' speeds, accelerations and torques with friction at places so near each
+    /// other that what passes a limit between them is small against it.
     ///
     /// # Errors
     /// The first place found that violates a constraint on the longest stop that was tried.
@@ -53,18 +54,23 @@ impl<S: Scalar> Envelope<S> {
         friction: &[FrictionCompensation<S>; 2],
         tag: u32,
         tool: ToolOutput<S>,
-    ) -> Result<[TrajectorySegment<S>; 3], ConstraintViolation> {
-        let shortest = self.stopping_time(start.rates);
-        let mut refusal = None;
+    ) -> Result<TrajectorySegment<S>, ConstraintViolation> {
+        let mut envelope = *self;
+        let usable = S::from_f64(USABLE);
+        envelope.joint_acceleration = self.joint_acceleration.map(|limit| limit * usable);
+        if let Some(limits) = &mut envelope.torque {
+            limits.torque = limits.torque.map(|limit| limit * usable);
+        }
+        let shortest = max(self.stopping_time(start.rates), start.least);
+        let mut refusal = ConstraintViolation::Limits;
         for length in LENGTHS {
-            let half = max(shortest * (S::from_f64(length) * S::HALF), start.least_half);
-            let segments = parts(start, half, tag, tool);
-            match self.check_stop(&segments, start.assembly, friction) {
-                Ok(()) => return Ok(segments),
-                Err(error) => refusal = Some(error),
+            let segment = stop(&start.tool, shortest * S::from_f64(length), tag, tool);
+            match envelope.check_stop(&segment, start.angles, friction) {
+                Ok(()) => return Ok(segment),
+                Err(violation) => refusal = violation,
             }
         }
-        Err(refusal.unwrap_or(ConstraintViolation::Limits))
+        Err(refusal)
     }
 
     /// The shortest T [s].
@@ -73,130 +79,55 @@ impl<S: Scalar> Envelope<S> {
         let mut time = S::ZERO;
         for (rate, acceleration) in rates.into_iter().zip(self.joint_acceleration) {
             let per = rate.abs() / acceleration;
-            time = max(time, max(per, (per / ratio).sqrt()) * S::TWO);
+            let jerky = (per * S::from_f64(JERK) / ratio).sqrt();
+            time = max(time, max(per * S::from_f64(DECELERATION), jerky));
         }
         time
     }
 
     fn check_stop(
         &self,
-        segments: &[TrajectorySegment<S>; 3],
-        assembly: Side,
+        segment: &TrajectorySegment<S>,
+        angles: [S; 2],
         friction: &[FrictionCompensation<S>; 2],
     ) -> Result<(), ConstraintViolation> {
-        let mut before = None;
-        for segment in segments {
-            let duration = segment.duration();
-            let turned = segment.path_state(duration).s - segment.path_state(S::ZERO).s;
-            let [most, fewest] = PLACES;
-            let (mut places, mut parts) = (1, S::ONE);
-            while places < fewest || (places < most && turned > S::from_f64(TURN) * parts) {
-                places += 1;
-                parts += S::ONE;
-            }
-            let step = duration / parts;
-            let mut time = S::ZERO;
-            for _ in 0..=places {
-                let reference = segment.evaluate(min(time, duration));
-                let sines = self.check_joints(&reference, assembly, friction)?;
-                self.check_sines(before.unwrap_or(sines), sines)?;
-                before = Some(sines);
-                time += step;
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the sines of the arm's angles keep the margin between two places: between them a smooth one is below both
-    /// by a small part of their difference only.
-    fn check_sines(&self, before: [S; 3], now: [S; 3]) -> Result<(), ConstraintViolation> {
-        let margin = self.workspace.margin * S::from_f64(RESERVE);
-        let singularities = [Singularity::Leg1, Singularity::Leg4, Singularity::Parallel];
-        for ((before, now), singularity) in before.into_iter().zip(now).zip(singularities) {
-            let least = min(before, now) - (now - before).abs() * S::from_f64(0.25);
-            let kept = least >= margin;
-            if !kept {
-                return Err(WorkspaceViolation::Margin(singularity).into());
-            }
-        }
-        Ok(())
-    }
-
-    /// The sines of the legs' elbows and of links 2 and 3 at a reference of the joints, positive on the arm's own branch, if
-    /// the joints keep their limits.
-    fn check_joints(
-        &self,
-        reference: &Reference<S>,
-        assembly: Side,
-        friction: &[FrictionCompensation<S>; 2],
-    ) -> Result<[S; 3], ConstraintViolation> {
-        let Reference::Joint {
-            angles: [theta1, theta4],
-            rates: [omega1, omega4],
-            accelerations: [alpha1, alpha4],
-        } = *reference
-        else {
+        let Some(path) = super::timed::path_of(segment) else {
             return Err(ConstraintViolation::Limits);
         };
-        let (tool, mode) = (&self.workspace.tool, self.workspace.mode);
-        let geometry = tool.geometry();
-        let pose = geometry.forward(theta1, theta4, assembly)?;
-        if let Some(limits) = &self.workspace.limits {
-            let [range1, range4] = limits.ranges();
-            let reserve = S::from_f64(RESERVE_ANGLE);
-            for (angle, [least, greatest], joint) in [
-                (theta1, range1, Joint::Joint1),
-                (theta4, range4, Joint::Joint4),
-            ] {
-                let inside = least + reserve <= angle && angle <= greatest - reserve;
-                if !inside {
-                    return Err(WorkspaceViolation::Joint(joint).into());
-                }
-            }
+        self.verify_path(&path, Some(angles), |_, _| Ok(()))
+            .map_err(|error| error.violation)?;
+        let step = segment.duration() * S::from_f64(1.0 / PLACES as f64);
+        let mut time = S::ZERO;
+        for _ in 0..PLACES {
+            time += step;
+            self.check_reference(&segment.evaluate(time), friction)?;
         }
-        let velocities = geometry.forward_velocities(&pose, omega1, omega4)?;
-        let accelerations = geometry.forward_accelerations(&pose, &velocities, alpha1, alpha4)?;
-        self.check_demand(&pose, &velocities, &accelerations, friction)?;
-        let [sine1, sine4] = tool.elbow_sines(&pose);
-        Ok([
-            mode.elbow1.sign(sine1),
-            mode.elbow4.sign(sine4),
-            pose.sin32().abs(),
-        ])
+        Ok(())
     }
 }
 
-/// The three parts of a stop with halves of this duration [s].
-fn parts<S: Scalar>(
-    start: &StopStart<S>,
-    half: S,
+/// The stop of this duration [s].
+fn stop<S: Scalar>(
+    from: &ToolMotion<S>,
+    duration: S,
     tag: u32,
     tool: ToolOutput<S>,
-) -> [TrajectorySegment<S>; 3] {
-    let [rate1, rate4] = start.rates;
-    let speed = max(rate1.abs(), rate4.abs());
-    let direction = match speed > S::ZERO {
-        true => [rate1 / speed, rate4 / speed],
-        false => [S::ZERO; 2],
+) -> TrajectorySegment<S> {
+    let way = from.velocity * duration;
+    // |dr/du| ≤ |vT|.
+    let length = way.length() + S::from_f64(LEAST);
+    let nothing = Vector2::zeros();
+    let curve = Curve::Blend {
+        coefficients: [
+            from.position,
+            way,
+            nothing,
+            nothing,
+            -way,
+            way * S::from_f64(0.6),
+        ],
+        inverse_length: S::ONE / length,
     };
-    let time = half + half;
-    let (peak, jerk) = (speed * S::TWO / time, speed * S::TWO / (time * half));
-    let coasted = speed * start.coast;
-    // 5/12 of the whole time at full speed.
-    let braked = coasted + speed * time * S::from_f64(5.0 / 12.0);
-    let part = |law, duration| TrajectorySegment {
-        shape: Shape::Joint {
-            from: start.angles,
-            direction,
-        },
-        law,
-        duration,
-        tag,
-        tool,
-    };
-    [
-        part(TimeLaw::new(S::ZERO, speed, S::ZERO, S::ZERO), start.coast),
-        part(TimeLaw::new(coasted, speed, S::ZERO, -jerk), half),
-        part(TimeLaw::new(braked, speed * S::HALF, -peak, jerk), half),
-    ]
+    let law = TimeLaw::new(S::ZERO, length / duration, S::ZERO, S::ZERO);
+    TrajectorySegment::along(curve, law, duration, tag, tool)
 }

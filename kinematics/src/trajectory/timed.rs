@@ -11,7 +11,7 @@ use super::path_segment::PathSegment;
 use super::reference::Reference;
 use super::trajectory_segment::{PathState, TrajectorySegment};
 use crate::control::FrictionCompensation;
-use crate::five_bar::{Accelerations, Joint, Pose, Velocities};
+use crate::five_bar::Joint;
 use crate::{PlanarVector, Scalar};
 
 /// The longest time between two places at which the motion is checked [s].
@@ -98,7 +98,7 @@ impl<S: Scalar> Envelope<S> {
     }
 
     /// Whether the joints' speeds, accelerations and torques at a reference are within their limits.
-    fn check_reference(
+    pub(super) fn check_reference(
         &self,
         reference: &Reference<S>,
         friction: &[FrictionCompensation<S>; 2],
@@ -115,24 +115,13 @@ impl<S: Scalar> Envelope<S> {
         let pose = tool.inverse(position, self.workspace.mode)?;
         let velocities = tool.inverse_velocities(&pose, velocity)?;
         let accelerations = tool.inverse_accelerations(&pose, &velocities, acceleration)?;
-        self.check_demand(&pose, &velocities, &accelerations, friction)
-    }
-
-    /// Whether the joints' speeds, accelerations and torques with friction are within their limits where the arm moves so.
-    pub(super) fn check_demand(
-        &self,
-        pose: &Pose<S>,
-        velocities: &Velocities<S>,
-        accelerations: &Accelerations<S>,
-        friction: &[FrictionCompensation<S>; 2],
-    ) -> Result<(), ConstraintViolation> {
         let ([w1, _, _, w4], [a1, _, _, a4]) = (velocities.omega, accelerations.alpha);
         let torque = match &self.torque {
             None => [S::ZERO; 2],
             Some(limits) => limits.arm.inverse_dynamics(
-                pose,
-                velocities,
-                accelerations,
+                &pose,
+                &velocities,
+                &accelerations,
                 nalgebra::Vector2::zeros(),
             )?,
         };
@@ -180,7 +169,7 @@ fn step<S: Scalar>(reference: &Reference<S>) -> S {
 }
 
 /// The path that a segment covers; a whole blend, because its parts are no curves of their own.
-fn path_of<S: Scalar>(segment: &TrajectorySegment<S>) -> Option<PathSegment<S>> {
+pub(super) fn path_of<S: Scalar>(segment: &TrajectorySegment<S>) -> Option<PathSegment<S>> {
     let curve = segment.curve()?;
     let [from, to] = [S::ZERO, segment.duration()].map(|t| segment.path_state(t));
     let rises = |PathState { s: to, .. }: PathState<S>, from: S| from <= to;

@@ -211,7 +211,7 @@ impl<S: Scalar> TrajectorySegment<S> {
 
     /// Ends it after `duration` [s].
     #[inline]
-    pub fn shorten(&mut self, duration: S) {
+    pub fn end_after(&mut self, duration: S) {
         self.duration = duration;
     }
 

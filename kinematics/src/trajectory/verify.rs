@@ -29,7 +29,7 @@ use core::f64::consts::{PI, TAU};
 use nalgebra::Vector2;
 
 /// The reserve to the joint limits [rad]: without it the steps next to them would become infinitely short.
-pub(super) const RESERVE_ANGLE: f64 = 0.001;
+const RESERVE_ANGLE: f64 = 0.001;
 
 /// After this number of steps a path is refused as too near a singularity.
 const STEPS: u32 = 20_000;

@@ -1,7 +1,8 @@
 //! Streams that are cut in any tick end at rest within every limit: random arms near their limits and singularities.
 
 use fivebar_firmware::controller::Controller;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPhase, StreamPoint, StreamReason};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::planner::{StreamPhase, StreamReason};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{AxisSettings, CheckedSettings, MotionSettings};
 use fivebar_firmware::{Planner, Request, Settings};

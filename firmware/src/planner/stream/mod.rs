@@ -4,21 +4,21 @@
 //! A path is checked whole before it begins, a stream cannot be. Instead each piece is checked with its own stop, and
 //! the controller's path always ends with the stop of its last piece. So a stream that ends in any tick ends at rest within
 //! every limit, and the tick follows pieces as of any path. Before a point is taken the stop lies behind
-//! the last piece; a splice puts the new piece and its stop in its place.
+//! the last piece; a splice puts the new piece in its place, and the new stop behind it.
 
 mod piece;
+mod progress;
 
 use super::{Planner, PlanningSnapshot};
-use crate::controller::{ArmController, QueuedSegment, Splice};
+use crate::controller::{ArmController, Change, QueuedSegment, Splice};
 use crate::drives::Drives;
-use crate::motion::{
-    StreamConfig, StreamError, StreamMode, StreamPhase, StreamPoint, StreamProgress, StreamReason,
-};
+use crate::motion::{StreamConfig, StreamMode, StreamPoint};
 use crate::safety::Limits;
 use fivebar_kinematics::Scalar;
-use fivebar_kinematics::trajectory::{ToolMotion, TrajectorySegment};
+use fivebar_kinematics::trajectory::{Reference, ToolMotion, TrajectorySegment};
 use nalgebra::Vector2;
 use piece::Piece;
+pub use progress::{StreamError, StreamPhase, StreamProgress, StreamReason};
 use rtic_core::Mutex;
 
 /// The delay [s], at least and at most.
@@ -29,7 +29,7 @@ const MOST_PERIODS: u16 = 26;
 const EARLIEST: f32 = 0.25;
 /// The longest piece [s].
 const LONGEST_PIECE: f32 = 0.06;
-/// The longest time for which the last velocity is kept [s], and so many periods at most.
+/// The longest time for which the last velocity is nearly kept [s], and so many periods at most.
 const COAST: (f32, u32) = (0.02, 2);
 /// The time in which a piece is made [s]: it begins no sooner.
 const LEAD: f32 = 1e-3;
@@ -61,15 +61,17 @@ struct StreamEnd {
     tool: ToolMotion<f32>,
     /// θ1, θ4 [rad].
     angles: [f32; 2],
-    /// ω1, ω4 [rad/s].
-    rates: [f32; 2],
+    /// What follows if no other piece does.
+    stop: TrajectorySegment<f32>,
 }
 
 /// Where and when the next piece begins.
 struct Start {
     from: StreamEnd,
-    /// The time after which the segment before it ends [s]; none: as it does.
-    shortened: Option<f32>,
+    /// The number with the last committed segment.
+    last: u32,
+    /// The time after which that ends [s]; none: the piece takes its place.
+    ends_after: Option<f32>,
 }
 
 impl Stream {
@@ -77,7 +79,7 @@ impl Stream {
         self.progress.phase != StreamPhase::Ended
     }
 
-    fn takes(&self, id: u8) -> bool {
+    fn takes(&self, id: u32) -> bool {
         let phase = self.progress.phase;
         let takes = !matches!(phase, StreamPhase::Ends | StreamPhase::Ended);
         takes && id == self.config.id
@@ -298,7 +300,8 @@ impl Planner {
             }
             return Ok(Start {
                 from: *end,
-                shortened: None,
+                last: end.segments.wrapping_add(1),
+                ends_after: None,
             });
         }
         let tick = now.wrapping_add(lead);
@@ -306,19 +309,24 @@ impl Planner {
         if coasted >= self.coast() || due.wrapping_sub(tick) as i32 <= 0 {
             return Err(StreamReason::Late);
         }
-        let time = coasted as f32 / self.tick_rate;
-        let ([theta1, theta4], [omega1, omega4]) = (end.angles, end.rates);
-        let angles = [theta1 + omega1 * time, theta4 + omega4 * time];
-        let tool = self.tool_motion(angles, end.rates)?;
+        let time = coasted as f32 * (1.0 / self.tick_rate);
+        let Reference::Tool {
+            position, velocity, ..
+        } = end.stop.evaluate(time)
+        else {
+            return Err(StreamReason::Late);
+        };
+        let tool = ToolMotion { position, velocity };
+        let (angles, _) = self.joint_motion(&tool, end.angles)?;
         Ok(Start {
             from: StreamEnd {
                 tick,
-                segments: end.segments.wrapping_add(1),
                 tool,
                 angles,
                 ..*end
             },
-            shortened: Some(coasted as f32 * (1.0 / self.tick_rate)),
+            last: end.segments.wrapping_add(1),
+            ends_after: Some(time),
         })
     }
 
@@ -364,7 +372,7 @@ impl Planner {
                 velocity: Vector2::zeros(),
             },
             angles,
-            rates: [0.0; 2],
+            stop: TrajectorySegment::NONE,
         };
         let piece = self.piece(&from, stream.config.mode, point, ticks, n)?;
         let duration = rests as f32 * (1.0 / self.tick_rate);
@@ -378,15 +386,15 @@ impl Planner {
         let start = Start {
             from: StreamEnd {
                 tick: begins.wrapping_add(rests),
-                segments,
                 ..from
             },
-            shortened: None,
+            last: segments,
+            ends_after: Some(duration),
         };
         self.splice(controller, stream, &start, &piece)
     }
 
-    /// Hands the controller a piece with its stop.
+    /// Hands the controller a piece with its stop, in accesses of which none is longer than a segment's copy.
     fn splice(
         &self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
@@ -394,17 +402,28 @@ impl Planner {
         start: &Start,
         piece: &Piece,
     ) -> Result<(), StreamReason> {
-        let [coast, slower, to_rest] = &piece.stop;
+        let (motion, stop) = (queued(&piece.motion, true), queued(&piece.stop, false));
+        let duration = piece.motion.duration();
+        let mut store = |n, segment: &QueuedSegment, after| {
+            controller.lock(|controller| controller.store_for_splice(n, segment, after));
+        };
+        let behind = start.last.wrapping_add(1);
+        let (change, segments) = match start.ends_after {
+            None => {
+                store(behind, &stop, duration);
+                (Change::Replace(&motion), start.last)
+            }
+            Some(time) => {
+                store(behind, &motion, time);
+                store(behind.wrapping_add(1), &stop, time + duration);
+                (Change::EndAfter(time), behind)
+            }
+        };
         let splice = Splice {
             begins: start.from.tick,
-            behind: start.from.segments,
-            shortened: start.shortened,
-            segments: [
-                queued(&piece.motion, true),
-                queued(coast, true),
-                queued(slower, true),
-                queued(to_rest, false),
-            ],
+            last: start.last,
+            change,
+            commits: segments.wrapping_add(1),
         };
         let generation = stream.path_generation;
         let taken = controller.lock(|controller| controller.splice_path(generation, &splice));
@@ -413,15 +432,15 @@ impl Planner {
         }
         stream.end = Some(StreamEnd {
             tick: start.from.tick.wrapping_add(piece.ticks),
-            segments: start.from.segments.wrapping_add(1),
+            segments,
             tool: piece.tool,
             angles: piece.angles,
-            rates: piece.rates,
+            stop: piece.stop,
         });
         Ok(())
     }
 
-    /// The time for which the last velocity is kept [ticks].
+    /// The time for which the last velocity is nearly kept, and a point still goes on from it [ticks].
     fn coast(&self) -> u32 {
         let (longest, periods) = COAST;
         let period = self

@@ -1,6 +1,7 @@
 //! A piece of a stream's motion, checked together with its stop.
 
 use super::{StreamEnd, StreamMode, StreamPoint, StreamReason};
+use crate::planner::check::near;
 use crate::planner::{MoveErrorKind, Planner};
 use fivebar_kinematics::five_bar::PoseError;
 use fivebar_kinematics::trajectory::{
@@ -8,8 +9,10 @@ use fivebar_kinematics::trajectory::{
 };
 use fivebar_kinematics::{PlanarVector, Scalar};
 
-/// The shortest half of a stop [ticks].
-const LEAST_HALF: f32 = 2.0;
+/// The shortest stop [ticks].
+const LEAST_STOP: u32 = 4;
+/// The shortest one in times of that in which the last velocity is nearly kept: it has 95 % of it then.
+const STOP_IN_COASTS: u32 = 4;
 /// The greatest difference between a point's angle and that of the arm there, from rounding [rad].
 const SAME_TURN: f32 = 1e-3;
 
@@ -17,15 +20,13 @@ const SAME_TURN: f32 = 1e-3;
 pub(super) struct Piece {
     pub(super) motion: TrajectorySegment<f32>,
     /// What follows if no other piece does.
-    pub(super) stop: [TrajectorySegment<f32>; 3],
+    pub(super) stop: TrajectorySegment<f32>,
     /// Its duration.
     pub(super) ticks: u32,
     /// The tool at its end.
     pub(super) tool: ToolMotion<f32>,
     /// θ1, θ4 there [rad].
     pub(super) angles: [f32; 2],
-    /// ω1, ω4 there [rad/s].
-    pub(super) rates: [f32; 2],
 }
 
 impl Planner {
@@ -53,15 +54,10 @@ impl Planner {
         let duration = period * ticks as f32;
         let motion = TrajectorySegment::between(&from.tool, &tool, duration, n.into(), output);
         let envelope = self.envelope_of_timed();
-        let (_, joints) = envelope
+        envelope
             .check_timed_from(&motion, &self.friction, Some(from.angles))
             .map_err(|error| limit(error.violation))?;
-        let workspace = &envelope.workspace;
-        let pose = workspace.tool.inverse(tool.position, workspace.mode);
-        let pose = pose.map_err(no_pose)?;
-        let velocities = workspace.tool.inverse_velocities(&pose, tool.velocity);
-        let [omega1, _, _, omega4] = velocities.map_err(no_pose)?.omega;
-        let angles = joints.unwrap_or([pose.u1.polar_angle(), pose.u4.polar_angle()]);
+        let (angles, rates) = self.joint_motion(&tool, from.angles)?;
         if mode == StreamMode::Joint {
             // A whole turn away is another place of a joint, and no other one of the tool.
             for (joint, (angle, wanted)) in [1, 4]
@@ -73,12 +69,12 @@ impl Planner {
                 }
             }
         }
+        let least = LEAST_STOP.max(STOP_IN_COASTS * self.coast());
         let start = StopStart {
+            tool,
             angles,
-            rates: [omega1, omega4],
-            coast: period * self.coast() as f32,
-            least_half: LEAST_HALF * period,
-            assembly: self.assembly,
+            rates,
+            least: period * least as f32,
         };
         let stop = envelope
             .plan_stop(&start, &self.friction, n.into(), output)
@@ -89,8 +85,25 @@ impl Planner {
             ticks,
             tool,
             angles,
-            rates: start.rates,
         })
+    }
+
+    /// θ1, θ4 [rad], each in the turn in which it is nearest to another angle, and ω1, ω4 [rad/s] where the tool moves so.
+    pub(super) fn joint_motion(
+        &self,
+        tool: &ToolMotion<f32>,
+        [near1, near4]: [f32; 2],
+    ) -> Result<([f32; 2], [f32; 2]), StreamReason> {
+        let workspace = &self.envelope.workspace;
+        let pose = workspace.tool.inverse(tool.position, workspace.mode);
+        let pose = pose.map_err(no_pose)?;
+        let velocities = workspace.tool.inverse_velocities(&pose, tool.velocity);
+        let [omega1, _, _, omega4] = velocities.map_err(no_pose)?.omega;
+        let angles = [
+            near(pose.u1.polar_angle(), near1),
+            near(pose.u4.polar_angle(), near4),
+        ];
+        Ok((angles, [omega1, omega4]))
     }
 
     /// The tool where the joints have these angles [rad] and velocities [rad/s], in the arm's working mode.

@@ -14,7 +14,8 @@ use crate::samples::Hostile;
 use crate::timed::Tool;
 use fivebar_firmware::board::Board;
 use fivebar_firmware::controller::Controller;
-use fivebar_firmware::motion::{StreamPhase, StreamPoint};
+use fivebar_firmware::motion::StreamPoint;
+use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION, encode,
