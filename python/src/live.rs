@@ -200,7 +200,11 @@ impl Connection {
     /// Ends the stream, and waits until the arm rests behind its last point. Does nothing if it has ended.
     fn end_stream(&self, py: Python<'_>) -> PyResult<()> {
         self.here(py)?;
-        let stream = self.stream.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let stream = self
+            .stream
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
         let ended = py.detach(|| stream.map_or(Ok(()), LiveStream::finish));
         ended.map_err(|refusal| refused(py, refusal))
     }
