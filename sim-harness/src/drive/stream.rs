@@ -41,13 +41,18 @@ impl<C: Controlled> Drive<'_, C> {
             let Err(DriveError::Refused { error, .. }) = &begun else {
                 break;
             };
-            if *error != CommandError::Stream(StreamError::Moving) || (self.wants_stop)() {
+            if *error != CommandError::Stream(StreamError::Moving) {
                 break;
+            }
+            if (self.wants_stop)() {
+                return Err(DriveError::Stopped(None));
             }
             self.controller.pass_time()?;
             begun = self.begin_stream(config);
         }
         begun?;
+        // What was told of a stream before is old.
+        self.latest_state();
         let tick = self.fault_free_status()?.tick;
         let mut streamer = Streamer::new(config, tick_rate, tick);
         let streamed = self.stream_points(options.mode, &mut streamer, given);
