@@ -1,8 +1,10 @@
 //! The moves that a host can ask for: in the protocol and in the planner's queue.
 
 mod crossing;
+mod stream;
 
 pub use crossing::CrossingMove;
+pub use stream::{StreamConfig, StreamMode, StreamPoint};
 
 use fivebar_kinematics::trajectory::{Curve, TimeLaw};
 use nalgebra::Vector2;

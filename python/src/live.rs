@@ -5,18 +5,21 @@ use crate::robot::Robot;
 use crate::simulation::Scenario;
 use fivebar_files::scenario::place_in_job;
 use fivebar_firmware::Status;
+use fivebar_firmware::motion::StreamMode;
 use fivebar_firmware::safety::Fault;
 use fivebar_report::text::next_step;
 use fivebar_sim::controller::{ControllerSource, sentence};
 use fivebar_sim::drive::{DriveError, Homing};
 use fivebar_sim::link::Emulator;
-use fivebar_sim::live::{LiveArm, LiveError, Pace, Pending};
+use fivebar_sim::live::{LiveArm, LiveError, LiveStream, Pace, Pending};
 use fivebar_sim::machine::{Machine, Signal};
 use fivebar_sim::simulation::fault_name;
+use fivebar_sim::streaming::{SetPoint, StreamOptions};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Time between two looks at signals and at the progress.
@@ -27,6 +30,8 @@ const LOOK: Duration = Duration::from_millis(50);
 pub(crate) struct Connection {
     arm: LiveArm,
     machine: Machine,
+    /// The stream in progress.
+    stream: Mutex<Option<LiveStream>>,
     /// The process that has its thread: a child that `fork` made has none.
     process: u32,
 }
@@ -63,6 +68,7 @@ impl Connection {
         Ok(Self {
             arm: arm.map_err(|refusal| error::controller(py, refusal))?,
             machine,
+            stream: Mutex::new(None),
             process: process::id(),
         })
     }
@@ -150,6 +156,57 @@ impl Connection {
         }
         self.call(py, (progress, on_pause), |arm| arm.draw(&scenario, &job))?;
         Ok(job.warnings.iter().map(ToString::to_string).collect())
+    }
+
+    /// Begins a stream of set-points of the joints or of the tip: so many points per second, each there after a delay [s].
+    fn begin_stream(
+        &self,
+        py: Python<'_>,
+        joints: bool,
+        rate: f64,
+        delay: Option<f64>,
+    ) -> PyResult<()> {
+        self.here(py)?;
+        let mode = match joints {
+            true => StreamMode::Joint,
+            false => StreamMode::Tip,
+        };
+        let options = StreamOptions { mode, rate, delay };
+        let begun = py.detach(|| self.arm.stream(options));
+        let begun = begun.map_err(|refusal| refused(py, refusal))?;
+        *self.stream.lock().unwrap_or_else(PoisonError::into_inner) = Some(begun);
+        Ok(())
+    }
+
+    /// Gives the next point of the stream; waits until it is due.
+    fn stream_point(
+        &self,
+        py: Python<'_>,
+        position: [f64; 2],
+        velocity: Option<[f64; 2]>,
+    ) -> PyResult<()> {
+        self.here(py)?;
+        let point = SetPoint { position, velocity };
+        let goes_on = py.detach(|| {
+            let stream = self.stream.lock().unwrap_or_else(PoisonError::into_inner);
+            stream.as_ref().is_some_and(|stream| stream.send(point))
+        });
+        match goes_on {
+            true => Ok(()),
+            false => self.end_stream(py),
+        }
+    }
+
+    /// Ends the stream, and waits until the arm rests behind its last point. Does nothing if it has ended.
+    fn end_stream(&self, py: Python<'_>) -> PyResult<()> {
+        self.here(py)?;
+        let stream = self
+            .stream
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        let ended = py.detach(|| stream.map_or(Ok(()), LiveStream::finish));
+        ended.map_err(|refusal| refused(py, refusal))
     }
 
     /// Ends the present call at rest on its path.

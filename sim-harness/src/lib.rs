@@ -19,4 +19,5 @@ pub mod planned_time;
 pub mod safe_exit;
 pub mod segment;
 pub mod simulation;
+pub mod streaming;
 pub mod time_optimal;

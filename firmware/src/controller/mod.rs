@@ -20,6 +20,7 @@ mod rest;
 mod setpoint;
 mod setpoint_history;
 mod status;
+mod streaming;
 mod tick;
 mod time_slices;
 mod tracking;
@@ -49,6 +50,7 @@ use index_check::Landmarks;
 use joint::Joint;
 use model::Model;
 use nalgebra::Vector2;
+pub(crate) use path::Change;
 use path::{Path, PathOutput};
 pub use path::{QUEUED_SEGMENTS, QueuedSegment};
 pub(crate) use path::{least_rest, stopping_time};
@@ -59,6 +61,7 @@ use rest::Rest;
 use setpoint::Setpoint;
 use setpoint_history::SetpointHistory;
 pub use status::{JointReference, Snapshot, Status};
+pub(crate) use streaming::Splice;
 use transitions::Latched;
 
 /// The controller of an arm with brushed motors on H-bridges.

@@ -255,17 +255,19 @@ impl Drives for StepDrives {
         }
     }
 
-    /// In its place: the lag of the currents.
+    /// In its place the lag of the motor's currents.
     #[inline(always)]
     fn watch_heat(&mut self, joint: Joint) -> Option<Fault> {
-        self.follow_lag(joint);
+        let [axis1, axis4] = &mut self.axes;
+        let axis = match joint {
+            Joint::Joint1 => axis1,
+            Joint::Joint4 => axis4,
+        };
+        axis.load_angle.follow_lag();
         None
     }
 
-    /// Likewise.
-    #[inline(always)]
-    fn watch_loop(&mut self, joint: Joint) -> Option<Fault> {
-        self.follow_lag(joint);
+    fn watch_loop(&mut self, _: Joint) -> Option<Fault> {
         None
     }
 
@@ -284,18 +286,6 @@ impl Drives for StepDrives {
     }
 
     fn excite(&mut self, _: Joint, _: Excited, _: f32, _: f32) {}
-}
-
-impl StepDrives {
-    #[inline(always)]
-    fn follow_lag(&mut self, joint: Joint) {
-        let [axis1, axis4] = &mut self.axes;
-        let axis = match joint {
-            Joint::Joint1 => axis1,
-            Joint::Joint4 => axis4,
-        };
-        axis.load_angle.follow_lag();
-    }
 }
 
 impl Axis {

@@ -302,7 +302,7 @@ impl Planner {
 }
 
 /// An angle in the turn in which it is nearest to another [rad].
-fn near(angle: f32, other: f32) -> f32 {
+pub(super) fn near(angle: f32, other: f32) -> f32 {
     let turns = (other - angle) * (1.0 / TAU);
     // `as` cuts.
     let whole = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;

@@ -62,6 +62,8 @@ pub enum MoveErrorKind {
     IndistinctCrossing,
     /// The torques on both sides of the singularity do not agree.
     CrossingCondition,
+    /// A stream of set-points has the arm.
+    Streaming,
 }
 
 impl MoveError {
@@ -206,6 +208,7 @@ impl fmt::Display for MoveErrorKind {
                 "behind the singularity the torques would not show which assembly mode the arm is in, \
                  because they differ by less than friction; cross in less time, or go farther behind it",
             ),
+            Self::Streaming => f.write_str("a stream of set-points has the arm: end it first"),
             Self::CrossingCondition => f.write_str(
                 "the torques on both sides of the singularity do not agree: the motion misses its \
                  condition, or changes too fast there; cross in more time",

@@ -18,6 +18,7 @@ mod crossing_pieces;
 mod error;
 mod line_merging;
 mod segment_feed;
+mod stream;
 mod timed;
 
 use crate::controller::{
@@ -38,10 +39,12 @@ use heapless::HistoryBuf;
 use line_merging::Waiting;
 use nalgebra::Vector2;
 use rtic_core::Mutex;
+use stream::Stream;
 use timed::ToolMotion;
 
 pub use error::{LONGEST, MoveError, MoveErrorKind};
 pub use segment_feed::SEGMENTS_PER_RUN;
+pub use stream::{StreamError, StreamPhase, StreamProgress, StreamReason};
 
 /// Planned segments in the look-ahead. A move takes one, and two more for a rounded corner.
 pub const PLANNED_SEGMENTS: usize = 96;
@@ -100,6 +103,8 @@ pub struct Planner {
     evidence: Evidence,
     /// [Hz].
     tick_rate: f32,
+    /// The latest stream of set-points.
+    stream: Option<Stream>,
     /// The controller's path generation when the queue was begun.
     path_generation: u32,
     tool_output: ToolOutputSettings,
@@ -156,6 +161,7 @@ impl Planner {
         crossing_allowed: false,
         evidence: Evidence::NONE,
         tick_rate: 0.0,
+        stream: None,
         path_generation: 0,
         tool_output: Settings::BENCHTOP.tool_output,
         least_rest: 0.0,
@@ -190,6 +196,7 @@ impl Planner {
             crossing_allowed,
             evidence,
             tick_rate,
+            stream,
             path_generation,
             tool_output,
             least_rest: least,
@@ -233,6 +240,7 @@ impl Planner {
         *crossing_allowed = settings.crossing_allowed;
         *evidence = Evidence::NONE;
         *tick_rate = settings.control.tick_rate;
+        *stream = None;
         *path_generation = 0;
         *tool_output = settings.tool_output;
         *least = least_rest(settings);
@@ -262,6 +270,9 @@ impl Planner {
             _ if snapshot.state == State::Crossing => return Err(refuse(MoveErrorKind::Full)),
             _ => return Err(refuse(MoveErrorKind::State(snapshot.state))),
         };
+        if self.is_streaming() {
+            return Err(refuse(MoveErrorKind::Streaming));
+        }
         if let MoveKind::Timed(timed) = &next.kind {
             return self.push_timed(controller, &snapshot, start, next, timed);
         }

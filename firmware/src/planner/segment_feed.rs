@@ -17,7 +17,7 @@ impl Planner {
     /// is behind it, and ends the crossing. The controller is unlocked while a segment is planned.
     pub fn run(&mut self, controller: &mut impl Mutex<T = ArmController<impl Drives>>) {
         let mut snapshot = controller.lock(|controller| controller.planning_snapshot());
-        self.follow(&snapshot);
+        self.watch_stream(controller, &snapshot);
         if snapshot.state == State::Crossing {
             return self.judge_crossing(controller);
         }

@@ -5,6 +5,7 @@ use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
 use crate::drives::BrushedSample;
+use crate::motion::{StreamConfig, StreamPoint};
 use crate::recorder::LogConfig;
 use crate::{ArmSample, Move, Request};
 use serde::de::DeserializeOwned;
@@ -13,7 +14,8 @@ use serde::{Deserialize, Serialize};
 /// One host command with its number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HostMessage<S = BrushedSample> {
-    /// One more than the last command's number, or the same if its reply did not come.
+    /// One more than the last command's number, or the same if its reply did not come; that of a
+    /// [`HostCommand::Point`] is one more than that of the point before.
     pub sequence: Sequence,
     /// The command.
     pub command: HostCommand<S>,
@@ -74,4 +76,11 @@ pub enum HostCommand<S = BrushedSample> {
     ExcitationEnd,
     /// A step of the test of a bare board; not on emulated boards.
     BoardTest(BoardTest),
+    /// Begin a stream of set-points, where the arm is held.
+    BeginStream(StreamConfig),
+    /// A set-point of the stream. The message's number is that of the point: it is not compared with those of commands, and there
+    /// is no reply.
+    Point(StreamPoint),
+    /// Take no more points, and bring the arm to rest behind the last one.
+    EndStream,
 }

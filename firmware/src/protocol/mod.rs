@@ -5,7 +5,8 @@
 //! The host sends commands, the controller replies: one [`HostCommand`] at a time, each with a sequence
 //! number that its [`Reply`] repeats. A command that comes again with the same number
 //! gets the stored reply and is executed only once, so a host that receives no reply sends its
-//! command again. [`Telemetry`] is sent between replies, without a command for each sample.
+//! command again. [`Telemetry`] is sent between replies, without a command for each sample. The points of a
+//! stream get no reply either, and [`StreamState`] is sent while it lasts.
 
 mod board_test;
 mod decoder;
@@ -17,6 +18,7 @@ mod reply;
 mod section;
 mod sequence;
 mod step_result;
+mod stream;
 
 pub use board_test::{
     BoardFacts, BoardReport, BoardTest, FlashTime, TIMING_BIN, TIMING_BINS, TimedSpan, Timing,
@@ -30,6 +32,7 @@ pub use reply::{CommandError, ControllerMessage, Reply, StackUse, Telemetry};
 pub use section::{Section, SectionKey};
 pub use sequence::{Sequence, SequenceCheck};
 pub use step_result::StepResult;
+pub use stream::StreamState;
 
 /// Version of everything in this module. Both ends must have the same; [`HostCommand::Hello`]
 /// and [`CommandError::Version`] keep their bytes in every version, so that two ends of

@@ -6,10 +6,12 @@ use super::identity::Identity;
 use super::section::Section;
 use super::sequence::Sequence;
 use super::step_result::StepResult;
+use super::stream::StreamState;
 use crate::ToldSample;
 use crate::controller::{self, ExcitationEnd, Snapshot, Status};
 use crate::drives::BrushedCommand;
 use crate::planner::MoveError;
+use crate::planner::StreamError;
 use crate::recorder::LogPage;
 use crate::storage::StorageError;
 use serde::de::DeserializeOwned;
@@ -27,6 +29,8 @@ pub enum ControllerMessage<C = BrushedCommand> {
     },
     /// A sample.
     Telemetry(Telemetry),
+    /// What a stream of set-points does.
+    Stream(StreamState),
 }
 
 impl<C: Serialize + DeserializeOwned> Message for ControllerMessage<C> {
@@ -38,7 +42,7 @@ impl<C: Serialize + DeserializeOwned> Message for ControllerMessage<C> {
 pub enum Reply<C = BrushedCommand> {
     /// The command was not executed; nothing has changed.
     Refused(CommandError),
-    /// Done, or begun if it takes time: the status shows when it has ended.
+    /// Done, or begun if it takes time: the status shows when it has ended, and of a stream [`StreamState`].
     Done,
     /// To a hello.
     Hello(Identity),
@@ -109,6 +113,8 @@ pub enum CommandError {
     Storage(StorageError),
     /// The log has no signals, or rows 0 ticks apart.
     Log,
+    /// The stream of set-points does not begin.
+    Stream(StreamError),
 }
 
 /// A sample of the status.
@@ -133,6 +139,7 @@ impl core::fmt::Display for CommandError {
             Self::NoSection => f.write_str("it has no such section of the settings"),
             Self::Settings => f.write_str("the settings are invalid as a whole"),
             Self::Storage(error) => write!(f, "the settings were not stored: {error}"),
+            Self::Stream(error) => error.fmt(f),
             Self::Log => f.write_str("a log needs a signal, and rows one tick apart or more"),
         }
     }

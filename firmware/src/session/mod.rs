@@ -7,10 +7,12 @@
 mod board;
 mod sampler;
 mod start;
+mod stream;
 
 use crate::controller::{self, ArmController};
 use crate::drives::{BrushedCommand, Drives};
 use crate::planner::Planner;
+use crate::planner::StreamReason;
 use crate::protocol::{
     BoardTest, CommandError, ControllerMessage, Frame, HostCommand, HostMessage, Identity, Reply,
     Sequence, SequenceCheck, StepResult, Telemetry, VERSION, encode,
@@ -58,6 +60,8 @@ pub struct Session {
     in_use: CheckedSettings,
     draft: Settings,
     sampler: Sampler,
+    /// When the state of a stream is due.
+    stream_sampler: Sampler,
 }
 
 impl Session {
@@ -72,6 +76,7 @@ impl Session {
             in_use: *settings,
             draft: **settings,
             sampler: Sampler::off(),
+            stream_sampler: Sampler::off(),
         }
     }
 
@@ -88,6 +93,13 @@ impl Session {
             // Every command except `Tick`, which comes from the plant, is a sign of life of the host.
             controller.lock(ArmController::feed_host_timeout);
         }
+        if let HostCommand::Point(point) = &command {
+            // It is neither numbered with the commands nor answered.
+            if self.host.is_some() {
+                planner.take_point(controller, sequence.0, point);
+            }
+            return None;
+        }
         if let HostCommand::Request(Request::EmergencyStop) = command {
             // Executed whatever its sequence number.
             controller.lock(|controller| controller.latch_fault(Fault::EmergencyStop));
@@ -101,7 +113,7 @@ impl Session {
                 .as_ref()
                 .is_none_or(|host| host.session != session)
             {
-                self.begin_session();
+                self.begin_session(planner);
                 return self.store_reply::<C>(session, sequence, Reply::Hello(self.identity));
             }
         }
@@ -123,11 +135,16 @@ impl Session {
         }
     }
 
-    /// The sample of telemetry that is due, if one is. To be called when it can be sent.
+    /// The state of a stream or the sample of telemetry that is due, if one is. To be called when it can be sent.
     pub fn telemetry(
         &mut self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        planner: &Planner,
     ) -> Option<Frame> {
+        let state = self.stream_state(controller, planner);
+        if state.is_some() {
+            return state;
+        }
         let tick = controller.lock(|controller| controller.ticks());
         let number = self.sampler.due(tick)?;
         let sample = controller.lock(|controller| controller.status_sample());
@@ -136,8 +153,10 @@ impl Session {
         encode(&ControllerMessage::<BrushedCommand>::Telemetry(telemetry))
     }
 
-    /// Clears the draft and the telemetry of the session before.
-    fn begin_session(&mut self) {
+    /// Clears the draft and the telemetry of the session before, and ends its stream.
+    fn begin_session(&mut self, planner: &mut Planner) {
+        planner.end_stream(StreamReason::Stopped);
+        self.stream_sampler = Sampler::off();
         self.draft = *self.in_use;
         self.sampler = Sampler::off();
     }
@@ -166,7 +185,7 @@ impl Session {
     ) -> Reply<C> {
         let outcome = match command {
             HostCommand::Hello { .. } => {
-                self.begin_session();
+                self.begin_session(planner);
                 Ok(Reply::Hello(self.identity))
             }
             HostCommand::Status => Ok(Reply::Status {
@@ -235,6 +254,13 @@ impl Session {
                 controller.lock(|controller| controller.excitation_end()),
             )),
             HostCommand::BoardTest(test) => test_board(test, controller, board),
+            HostCommand::BeginStream(config) => self.begin_stream(controller, planner, &config),
+            // It was taken before.
+            HostCommand::Point(_) => Err(CommandError::Unsupported),
+            HostCommand::EndStream => {
+                planner.end_stream(StreamReason::Asked);
+                Ok(Reply::Done)
+            }
         };
         outcome.unwrap_or_else(Reply::Refused)
     }
@@ -275,6 +301,7 @@ impl Session {
         self.in_use.clone_from(settings);
         self.has_settings = true;
         self.sampler.restart_ticks();
+        self.stream_sampler = Sampler::off();
         Ok(Reply::Done)
     }
 

@@ -12,6 +12,7 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
+    /// No samples.
     pub(super) const fn off() -> Self {
         Self {
             every: 0,

@@ -175,13 +175,19 @@ fn telemetry_goes_on_after_settings_have_set_the_ticks_to_zero() {
     let run = |desk: &mut Desk, ticks| {
         let due = (0..ticks).filter(|_| {
             desk.tick();
-            desk.session.telemetry(&mut desk.controller).is_some()
+            desk.session
+                .telemetry(&mut desk.controller, &desk.planner)
+                .is_some()
         });
         due.count()
     };
     assert_eq!(run(&mut desk, 100), 10);
     assert_eq!(desk.ask(HostCommand::ApplySettings), Reply::Done);
-    assert!(desk.session.telemetry(&mut desk.controller).is_none());
+    assert!(
+        desk.session
+            .telemetry(&mut desk.controller, &desk.planner)
+            .is_none()
+    );
     assert_eq!(run(&mut desk, 100), 10);
 }
 

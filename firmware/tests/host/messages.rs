@@ -6,11 +6,13 @@ use fivebar_firmware::controller::{
     self, Excitation, ExcitationEnd, Excited, JointReference, Snapshot,
 };
 use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
+use fivebar_firmware::planner::{StreamError, StreamPhase, StreamProgress, StreamReason};
 use fivebar_firmware::protocol::{
     Board, BoardFacts, BoardReport, BoardTest, CommandError, ControllerMessage, FlashTime,
-    HostCommand, HostMessage, Identity, Reply, Reset, Sequence, StackUse, StepResult, TIMING_BINS,
-    Telemetry, TimedSpan, Timing, VERSION,
+    HostCommand, HostMessage, Identity, Reply, Reset, Sequence, StackUse, StepResult, StreamState,
+    TIMING_BINS, Telemetry, TimedSpan, Timing, VERSION,
 };
 use fivebar_firmware::recorder::{LogConfig, LogPage, LogState};
 use fivebar_firmware::safety::{Fault, Limits, State};
@@ -92,11 +94,81 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         }),
         any::<u16>().prop_map(|from| HostCommand::ReadLog { from }),
         board_test().prop_map(HostCommand::BoardTest),
+        stream_config().prop_map(HostCommand::BeginStream),
+        stream_point().prop_map(HostCommand::Point),
+        Just(HostCommand::EndStream),
     ];
     (any::<u16>(), command).prop_map(|(sequence, command)| HostMessage {
         sequence: Sequence(sequence),
         command,
     })
+}
+
+fn stream_config() -> impl Strategy<Value = StreamConfig> {
+    any::<(u32, bool, u16, u16)>().prop_map(|(id, joint, period, delay)| StreamConfig {
+        id,
+        mode: [StreamMode::Tip, StreamMode::Joint][usize::from(joint)],
+        period,
+        delay,
+    })
+}
+
+fn stream_point() -> impl Strategy<Value = StreamPoint> {
+    any::<(u32, u32, [f32; 2], [f32; 2])>().prop_map(|(id, due, position, velocity)| StreamPoint {
+        id,
+        due,
+        position: position.into(),
+        velocity: velocity.into(),
+    })
+}
+
+fn stream_state() -> impl Strategy<Value = StreamState> {
+    let phase = prop::sample::select(vec![
+        StreamPhase::Waits,
+        StreamPhase::Follows,
+        StreamPhase::Starved,
+        StreamPhase::Ends,
+        StreamPhase::Ended,
+    ]);
+    let reason = prop::sample::select(vec![
+        StreamReason::Asked,
+        StreamReason::Stopped,
+        StreamReason::Late,
+        StreamReason::Number,
+        StreamReason::Early,
+        StreamReason::Order,
+        StreamReason::Full,
+        StreamReason::Gap,
+        StreamReason::Away(0.25),
+        StreamReason::Limit(MoveErrorKind::Overload(4)),
+    ]);
+    let progress = (
+        phase,
+        prop::option::of(reason),
+        any::<(u32, Option<u16>, [u16; 3])>(),
+    );
+    let progress =
+        progress.prop_map(
+            |(phase, reason, (id, last, [late, lost, refused]))| StreamProgress {
+                id,
+                phase,
+                reason,
+                last,
+                late,
+                lost,
+                refused,
+            },
+        );
+    (progress, any::<(u32, i16, [[f32; 2]; 3])>()).prop_map(
+        |(progress, (tick, buffered, [angle, velocity, torque]))| StreamState {
+            tick,
+            progress,
+            buffered,
+            angle,
+            velocity,
+            torque,
+        },
+    )
 }
 
 fn request() -> impl Strategy<Value = Request> {
@@ -335,6 +407,7 @@ fn command_error() -> impl Strategy<Value = CommandError> {
             CommandError::Storage(StorageError::Blank),
             CommandError::Storage(StorageError::Range),
             CommandError::Log,
+            CommandError::Stream(StreamError::Rate),
             CommandError::Request(controller::RequestError::Excitation),
         ]),
     ]
@@ -384,12 +457,14 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
         board_report().prop_map(Reply::Board),
     ];
     prop_oneof![
-        (any::<u16>(), reply).prop_map(|(sequence, reply)| ControllerMessage::Reply {
+        // Replies have the most variants.
+        8 => (any::<u16>(), reply).prop_map(|(sequence, reply)| ControllerMessage::Reply {
             sequence: Sequence(sequence),
             reply,
         }),
-        (any::<u32>(), status()).prop_map(|(number, status)| {
+        1 => (any::<u32>(), status()).prop_map(|(number, status)| {
             ControllerMessage::Telemetry(Telemetry { number, status })
         }),
+        1 => stream_state().prop_map(ControllerMessage::Stream),
     ]
 }

@@ -3,9 +3,11 @@
 use crate::messages;
 use fivebar_firmware::controller;
 use fivebar_firmware::drives::BrushedSample;
+use fivebar_firmware::motion::StreamPoint;
+use fivebar_firmware::planner::{StreamPhase, StreamProgress, StreamReason};
 use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, Message,
-    Reply, Reset, SectionKey, Sequence, encode,
+    Reply, Reset, SectionKey, Sequence, StreamState, encode,
 };
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Request, SensorSample};
 use proptest::strategy::{Strategy, ValueTree};
@@ -111,8 +113,37 @@ fn every_example_is_what_the_library_writes_and_reads() {
                 }),
             ),
         ),
+        (
+            "point",
+            command(
+                7,
+                HostCommand::Point(StreamPoint {
+                    id: 3,
+                    due: 100_250,
+                    position: (0.0, 0.125),
+                    velocity: (0.5, 0.0),
+                }),
+            ),
+        ),
     ];
+    let state = StreamState {
+        tick: 100_000,
+        progress: StreamProgress {
+            id: 3,
+            phase: StreamPhase::Follows,
+            reason: Some(StreamReason::Late),
+            last: Some(7),
+            late: 1,
+            lost: 0,
+            refused: 0,
+        },
+        buffered: 250,
+        angle: [2.0, 1.0],
+        velocity: [0.5, -0.5],
+        torque: [0.25, 0.0],
+    };
     let replies = [
+        ("stream", ControllerMessage::Stream(state)),
         (
             "hello-reply",
             reply(
@@ -176,8 +207,14 @@ fn every_number_in_the_tables_is_the_one_on_the_wire() {
         };
     }
     for message in draw(&messages::controller_message().boxed(), &mut runner) {
-        let ControllerMessage::Reply { reply, .. } = message else {
-            continue;
+        let reply = match message {
+            ControllerMessage::Reply { reply, .. } => reply,
+            ControllerMessage::Telemetry(_) => continue,
+            ControllerMessage::Stream(state) => {
+                numbers.insert(variant(&state.progress.phase));
+                numbers.extend(state.progress.reason.map(|reason| variant(&reason)));
+                continue;
+            }
         };
         numbers.insert(variant(&reply));
         match reply {

@@ -2,6 +2,7 @@
 
 use fivebar_firmware::controller::RequestError;
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
+use fivebar_firmware::planner::{StreamError, StreamReason};
 use fivebar_firmware::protocol::{CommandError, FrameError, Sequence};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::storage::StorageError;
@@ -19,6 +20,32 @@ fn every_refused_request_reads_as_a_sentence() {
     .map(|error| error.to_string());
     assert_eq!(texts[0], "it is not possible while Running");
     differ(&texts);
+}
+
+#[test]
+fn every_end_of_a_stream_reads_as_a_sentence() {
+    let begun = [
+        StreamError::State(State::Stopped),
+        StreamError::Moving,
+        StreamError::Rate,
+    ];
+    differ(&begun.map(|error| error.to_string()));
+    let texts = [
+        StreamReason::Asked,
+        StreamReason::Stopped,
+        StreamReason::Late,
+        StreamReason::Number,
+        StreamReason::Early,
+        StreamReason::Order,
+        StreamReason::Full,
+        StreamReason::Gap,
+        StreamReason::Away(0.25),
+        StreamReason::Limit(MoveErrorKind::Overload(4)),
+    ]
+    .map(|reason| reason.to_string());
+    differ(&texts);
+    assert!(texts[8].contains("0.25"), "{}", texts[8]);
+    assert!(texts[9].contains("joint 4"), "{}", texts[9]);
 }
 
 #[test]

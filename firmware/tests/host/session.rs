@@ -133,7 +133,11 @@ fn a_repeated_hello_changes_nothing_and_a_new_one_begins_a_session() {
     let late = Sequence(desk.last.0.wrapping_sub(1));
     assert_eq!(desk.send(late, HELLO), None, "one that took its time");
     desk.tick();
-    assert!(desk.session.telemetry(&mut desk.controller).is_some());
+    assert!(
+        desk.session
+            .telemetry(&mut desk.controller, &desk.planner)
+            .is_some()
+    );
 
     desk.last = Sequence(500);
     let other = HostCommand::Hello {
@@ -142,7 +146,11 @@ fn a_repeated_hello_changes_nothing_and_a_new_one_begins_a_session() {
     };
     assert!(matches!(desk.ask(other), Reply::Hello(Identity { .. })));
     desk.tick();
-    assert!(desk.session.telemetry(&mut desk.controller).is_none());
+    assert!(
+        desk.session
+            .telemetry(&mut desk.controller, &desk.planner)
+            .is_none()
+    );
 }
 
 #[test]
@@ -156,7 +164,7 @@ fn telemetry_comes_at_its_rate_and_skipped_samples_leave_a_gap() {
         if (41..=70).contains(&tick) {
             continue;
         }
-        let Some(frame) = desk.session.telemetry(&mut desk.controller) else {
+        let Some(frame) = desk.session.telemetry(&mut desk.controller, &desk.planner) else {
             continue;
         };
         match read(&frame) {

@@ -98,7 +98,7 @@ impl<S: Scalar> Envelope<S> {
     }
 
     /// Whether the joints' speeds, accelerations and torques at a reference are within their limits.
-    fn check_reference(
+    pub(super) fn check_reference(
         &self,
         reference: &Reference<S>,
         friction: &[FrictionCompensation<S>; 2],
@@ -169,7 +169,7 @@ fn step<S: Scalar>(reference: &Reference<S>) -> S {
 }
 
 /// The path that a segment covers; a whole blend, because its parts are no curves of their own.
-fn path_of<S: Scalar>(segment: &TrajectorySegment<S>) -> Option<PathSegment<S>> {
+pub(super) fn path_of<S: Scalar>(segment: &TrajectorySegment<S>) -> Option<PathSegment<S>> {
     let curve = segment.curve()?;
     let [from, to] = [S::ZERO, segment.duration()].map(|t| segment.path_state(t));
     let rises = |PathState { s: to, .. }: PathState<S>, from: S| from <= to;

@@ -209,6 +209,12 @@ impl<S: Scalar> TrajectorySegment<S> {
         self.tool = other.tool;
     }
 
+    /// Ends it after `duration` [s].
+    #[inline]
+    pub fn end_after(&mut self, duration: S) {
+        self.duration = duration;
+    }
+
     /// Its duration [s]; may be shorter than a tick.
     #[inline]
     pub fn duration(&self) -> S {

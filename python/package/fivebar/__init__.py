@@ -43,6 +43,7 @@ from ._results import (
 from ._robots import built_in
 from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
+from ._stream import Stream
 from ._synthesis import Design, design, dexterities
 
 __all__ = [
@@ -75,6 +76,7 @@ __all__ = [
     "SingularError",
     "Status",
     "StoppedError",
+    "Stream",
     "StudyError",
     "Trace",
     "UnreachableError",

@@ -14,6 +14,7 @@ from ._arm import Arm
 from ._errors import FivebarError
 from ._shapes import pair
 from ._simulation import scenario_of
+from ._stream import Stream
 
 Pair = Tuple[float, float]
 
@@ -159,6 +160,33 @@ class LiveArm:
             None if scale is None else _positive("scale", scale),
             progress,
             on_pause,
+        )
+
+    def stream(self, rate: float = 500.0, *, delay: Optional[float] = None) -> Stream:
+        """A stream of set-points from where the arm rests; the motors are on. See ``docs/use/streaming.md``.
+
+        >>> from math import cos, sin, tau
+        >>> import fivebar
+        >>> with fivebar.connect("simulated", robot="benchtop", real_time=False) as arm:
+        ...     arm.home()
+        ...     arm.motors_on()
+        ...     x, y = arm.state.tool
+        ...     with arm.stream(rate=500) as s:
+        ...         for k in range(1001):  # a circle in 2 s, smoothly from rest to rest
+        ...             u = k / 1000
+        ...             a = tau * u * u * (3 - 2 * u)
+        ...             s.tip(x + 0.01 * sin(a), y + 0.01 * (1 - cos(a)))
+        ...     print(arm.state.state)
+        Armed
+
+        rate: points per second [1/s].
+        delay: from a point to the arm's being there [s]: 2 to 200 ms, one to 26 periods. By default 40 ms, three periods if
+            that is more, and 26 periods if that is less.
+        """
+        return Stream(
+            self._connection,
+            _positive("rate", rate),
+            None if delay is None else _positive("delay", delay),
         )
 
     def stop(self) -> None:

@@ -5,6 +5,7 @@ use crate::simulation::fault_name;
 use crate::time_optimal::TimeOptimalError;
 use fivebar_files::scenario::RefusedModeChange;
 use fivebar_firmware::planner::MoveError;
+use fivebar_firmware::planner::StreamReason;
 use fivebar_firmware::protocol::{CommandError, SectionKey};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::SettingsError;
@@ -42,6 +43,9 @@ pub enum DriveError {
     /// The job cannot be planned time-optimally.
     #[error(transparent)]
     TimeOptimal(#[from] TimeOptimalError),
+    /// A stream of set-points has ended before its program ended it.
+    #[error("the stream has ended: {0}")]
+    Stream(StreamReason),
     /// A fault is latched.
     #[error(
         "the controller stopped the arm with fault {}, {}; repair the cause, then drive with \

@@ -3,6 +3,7 @@
 mod controlled;
 mod error;
 mod job;
+mod stream;
 
 use crate::link::LinkError;
 use crate::measured_pose::measured_pose;
@@ -18,6 +19,7 @@ use fivebar_firmware::{Move, Planner, Request, Settings, Status};
 pub use controlled::Controlled;
 pub use error::DriveError;
 pub use job::job_moves;
+pub use stream::Given;
 
 /// Number of reads after which homing has failed: 60 s.
 const LONGEST_HOMING: u32 = 6000;

@@ -3,9 +3,10 @@
 
 use super::READ;
 use fivebar_firmware::drives::{BrushedCommand, BrushedSample, DriveInterface};
+use fivebar_firmware::motion::StreamPoint;
 use fivebar_firmware::protocol::{
     CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity, LinkCounts,
-    Reply, SectionKey, Sequence, StackUse, StepResult, Telemetry, VERSION, encode,
+    Reply, SectionKey, Sequence, StackUse, StepResult, StreamState, Telemetry, VERSION, encode,
 };
 use fivebar_firmware::{ArmSample, Settings, Status, ToldSample};
 use serde::Serialize;
@@ -42,6 +43,7 @@ pub struct Client<L> {
     decoder: Decoder<ControllerMessage>,
     last: Sequence,
     telemetry: VecDeque<Telemetry>,
+    stream: VecDeque<StreamState>,
     unread: VecDeque<u8>,
     repeats: u32,
     /// The time by which it waits for replies, from any beginning.
@@ -101,6 +103,7 @@ impl<L: Read + Write> Client<L> {
             decoder: Decoder::new(),
             last: Sequence(0),
             telemetry: VecDeque::new(),
+            stream: VecDeque::new(),
             unread: VecDeque::new(),
             repeats: 0,
             clock,
@@ -136,9 +139,7 @@ impl<L: Read + Write> Client<L> {
     {
         let sequence = self.last.next();
         let message = HostMessage { sequence, command };
-        let frame = encode(&message).ok_or_else(|| {
-            io::Error::new(ErrorKind::InvalidInput, "a command is longer than a frame")
-        })?;
+        let frame = encode(&message).ok_or_else(too_long)?;
         for (attempt, wait) in waits().enumerate() {
             self.repeats += u32::from(attempt > 0);
             self.line.write_all(&frame)?;
@@ -246,15 +247,43 @@ impl<L: Read + Write> Client<L> {
         self.command(HostCommand::ApplySettings)
     }
 
-    /// Reads once and keeps a sample of telemetry that arrives.
+    /// Sends the n-th point of a stream of set-points. It gets no reply.
+    ///
+    /// # Errors
+    /// A failed connection.
+    pub fn send_point(&mut self, n: u16, point: &StreamPoint) -> Result<(), LinkError> {
+        let message = HostMessage::<BrushedSample> {
+            sequence: Sequence(n),
+            command: HostCommand::Point(*point),
+        };
+        self.line
+            .write_all(&encode(&message).ok_or_else(too_long)?)?;
+        Ok(self.line.flush()?)
+    }
+
+    /// Reads once and keeps a sample of telemetry or the state of a stream that arrives.
     ///
     /// # Errors
     /// A failed connection.
     pub fn poll(&mut self) -> Result<(), LinkError> {
-        if let Some(ControllerMessage::Telemetry(sample)) = self.next_message::<BrushedCommand>()? {
-            self.telemetry.push_back(sample);
+        if let Some(message) = self.next_message::<BrushedCommand>()? {
+            self.keep(message);
         }
         Ok(())
+    }
+
+    /// Keeps what is no reply. A reply is a late one to a command that was sent twice.
+    fn keep<C>(&mut self, message: ControllerMessage<C>) {
+        match message {
+            ControllerMessage::Telemetry(sample) => self.telemetry.push_back(sample),
+            ControllerMessage::Stream(state) => self.stream.push_back(state),
+            ControllerMessage::Reply { .. } => {}
+        }
+    }
+
+    /// Takes the oldest state of a stream received.
+    pub fn take_stream_state(&mut self) -> Option<StreamState> {
+        self.stream.pop_front()
     }
 
     /// Takes the oldest sample received.
@@ -292,9 +321,7 @@ impl<L: Read + Write> Client<L> {
                 Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
                     return Ok(Some(reply));
                 }
-                Some(ControllerMessage::Telemetry(sample)) => self.telemetry.push_back(sample),
-                // A late reply to a command that was sent twice.
-                Some(ControllerMessage::Reply { .. }) => {}
+                Some(other) => self.keep(other),
                 None => idle_reads += u128::from(self.unread.is_empty()),
             }
         }
@@ -319,6 +346,10 @@ impl<L: Read + Write> Client<L> {
         }
         Ok(None)
     }
+}
+
+fn too_long() -> io::Error {
+    io::Error::new(ErrorKind::InvalidInput, "a command is longer than a frame")
 }
 
 /// This computer's time since its first use here.

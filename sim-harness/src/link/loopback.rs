@@ -234,7 +234,7 @@ impl<I: DriveInterface> Firmware<I> {
     }
 
     fn send_telemetry(&mut self) {
-        if let Some(frame) = self.session.telemetry(&mut self.controller) {
+        if let Some(frame) = self.session.telemetry(&mut self.controller, &self.planner) {
             self.out.extend(&frame);
         }
     }

@@ -13,6 +13,7 @@ use crate::clock::Clock;
 use crate::controller::{ControllerSource, OpenError, open};
 use crate::drive::{DriveError, Homing, job_moves, planner_at};
 use crate::link::LinkError;
+use crate::streaming::{SetPoint, StreamOptions};
 use fivebar_files::job::{Job, Pause};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
@@ -20,7 +21,7 @@ use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Status};
 use shared::{Busy, Shared};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -103,6 +104,29 @@ impl Pending {
             Ok(answer) => Ok(answer?),
             Err(_) => Err(self.shared.ended()),
         }
+    }
+}
+
+/// A stream in progress.
+pub struct LiveStream {
+    points: SyncSender<SetPoint>,
+    pending: Pending,
+}
+
+impl LiveStream {
+    /// Gives the next point. Waits while the points before it last longer than the stream's delay. Returns whether the
+    /// stream goes on: [`Self::finish`] says why not.
+    pub fn send(&self, point: SetPoint) -> bool {
+        self.points.send(point).is_ok()
+    }
+
+    /// Ends the stream, and waits until the arm rests behind the last point.
+    ///
+    /// # Errors
+    /// Why the stream has ended before.
+    pub fn finish(self) -> Result<(), LiveError> {
+        drop(self.points);
+        self.pending.finish()
     }
 }
 
@@ -200,6 +224,22 @@ impl LiveArm {
     /// As [`Self::move_to`].
     pub fn move_joints(&self, to: [f32; 2], speed: f32) -> Result<Pending, LiveError> {
         self.do_move(MoveKind::Joint { to, speed })
+    }
+
+    /// Begins a stream of set-points where the arm is. The motors are on.
+    ///
+    /// # Errors
+    /// As [`Self::home`].
+    pub fn stream(&self, options: StreamOptions) -> Result<LiveStream, LiveError> {
+        let busy = self.shared.begin()?;
+        let (status, _) = self.ready()?;
+        if status.state == State::Stopped {
+            return Err(LiveError::MotorsOff);
+        }
+        // The thread takes a point when it is due.
+        let (points, given) = mpsc::sync_channel(0);
+        let pending = self.order(busy, Task::Stream { options, given })?;
+        Ok(LiveStream { points, pending })
     }
 
     /// Puts the tool at this level, 0 (up or off) to 1, where the arm rests. The motors are on.

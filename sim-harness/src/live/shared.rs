@@ -144,6 +144,12 @@ impl Shared {
         std::mem::take(&mut self.state().emergencies)
     }
 
+    /// Whether the present call should end, or power is to be switched off at once.
+    pub(super) fn is_interrupted(&self) -> bool {
+        let state = self.state();
+        state.wants_stop || !state.emergencies.is_empty()
+    }
+
     /// Why the thread ends.
     pub(super) fn note_failure(&self, failure: String) {
         self.state().failure = Some(failure);

@@ -1,8 +1,10 @@
 use super::{LiveArm, LiveError, Pace, Pending};
 use crate::controller::ControllerSource;
 use crate::drive::{DriveError, Homing};
+use crate::streaming::{SetPoint, StreamOptions};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
+use fivebar_firmware::motion::StreamMode;
 use fivebar_firmware::safety::{Fault, State};
 
 /// One robot of each kind of drives.
@@ -156,6 +158,105 @@ fn a_job_that_finds_the_motors_off_leaves_them_off_and_one_that_finds_them_on_le
         assert_eq!((done.pause, done.taken), (None, done.moves));
         assert_eq!(done.status.state, left);
     }
+}
+
+/// A circle of 4 mm from where the tool is, or of the joints, in a second.
+fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveError> {
+    let status = arm.progress().status;
+    let from = match mode {
+        StreamMode::Tip => status.tool.unwrap(),
+        StreamMode::Joint => status.angle,
+    };
+    let scale = [0.02, 2e-3][usize::from(mode == StreamMode::Tip)];
+    let stream = arm.stream(StreamOptions {
+        mode,
+        rate: 200.0,
+        delay: None,
+    })?;
+    for point in 0..points {
+        let time = f64::from(point) / 200.0;
+        // Smoothly from rest.
+        let turned = std::f64::consts::TAU * time * time * (3.0 - 2.0 * time.min(1.0));
+        let (sine, cosine) = turned.sin_cos();
+        let position = [
+            f64::from(from[0]) + scale * (1.0 - cosine),
+            f64::from(from[1]) + scale * sine,
+        ];
+        if !stream.send(SetPoint {
+            position,
+            velocity: None,
+        }) {
+            break;
+        }
+    }
+    stream.finish()
+}
+
+#[test]
+fn every_kind_follows_a_stream_and_rests_behind_it() {
+    for name in KINDS {
+        let arm = homed(name);
+        arm.motors_on().unwrap().finish().unwrap();
+        for mode in [StreamMode::Tip, StreamMode::Joint] {
+            let before = place(&arm);
+            streamed(&arm, mode, 200).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(state(&arm), State::Armed, "{name}");
+            let off = distance(place(&arm), before);
+            assert!(off < 2e-3, "{name} {mode:?}: {off} m");
+        }
+    }
+}
+
+#[test]
+fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
+    let arm = homed("benchtop");
+    let off = streamed(&arm, StreamMode::Tip, 5).unwrap_err();
+    assert!(matches!(off, LiveError::MotorsOff), "{off}");
+    arm.motors_on().unwrap().finish().unwrap();
+    let stream = |mode| {
+        let (rate, delay) = (200.0, None);
+        arm.stream(StreamOptions { mode, rate, delay }).unwrap()
+    };
+    let [x, y] = place(&arm).map(f64::from);
+    let along = |way: f64| SetPoint {
+        position: [x + way, y],
+        velocity: None,
+    };
+
+    let begun = stream(StreamMode::Tip);
+    let mut way = 0.0;
+    while begun.send(along(way)) {
+        way += 1e-3 * (way / 0.01 + 0.02).min(1.0);
+    }
+    let ended = begun.finish().unwrap_err().to_string();
+    assert!(ended.contains("the arm stops before a point"), "{ended}");
+    assert_eq!(state(&arm), State::Armed);
+
+    let begun = stream(StreamMode::Tip);
+    while begun.send(along(1.0)) {}
+    let ended = begun.finish().unwrap_err().to_string();
+    assert!(ended.contains("from the arm: move there first"), "{ended}");
+
+    let begun = stream(StreamMode::Tip);
+    arm.stop();
+    assert!(!begun.send(along(0.0)));
+    let ended = begun.finish().unwrap_err();
+    assert!(
+        matches!(ended, LiveError::Drive(DriveError::Stopped(_))),
+        "{ended}"
+    );
+
+    let begun = stream(StreamMode::Tip);
+    arm.emergency_stop().unwrap();
+    while begun.send(along(0.0)) {}
+    let ended = begun.finish().unwrap_err();
+    assert!(
+        matches!(
+            ended,
+            LiveError::Drive(DriveError::Fault(Fault::EmergencyStop))
+        ),
+        "{ended}"
+    );
 }
 
 #[test]

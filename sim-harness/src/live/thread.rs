@@ -3,16 +3,21 @@
 use super::Pace;
 use super::shared::{Busy, Shared};
 use crate::controller::{Connection, Session};
-use crate::drive::{Controlled, Drive, DriveError, Homing};
+use crate::drive::{Controlled, Drive, DriveError, Given, Homing};
 use crate::link::{Client, LinkError};
+use crate::streaming::{SetPoint, StreamOptions};
 use fivebar_files::job::Pause;
 use fivebar_firmware::{Move, Request, Status};
 use std::sync::Arc;
-use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
 /// Rounds of 10 ms before the first call: drives on a bus answer some time after their power.
 const WAKING: u32 = 20;
+
+/// Time between two looks for a stop while an arm whose time stands still waits for a point.
+const LOOK: Duration = Duration::from_millis(10);
 
 /// What is to be done.
 pub(super) enum Task {
@@ -25,6 +30,11 @@ pub(super) enum Task {
         moves: Vec<Move>,
         pauses: Vec<Pause>,
         power: bool,
+    },
+    /// Set-points as the program gives them.
+    Stream {
+        options: StreamOptions,
+        given: Receiver<SetPoint>,
     },
 }
 
@@ -59,8 +69,12 @@ pub(super) fn spawn(
     pace: Pace,
 ) -> JoinHandle<Result<(), LinkError>> {
     thread::spawn(move || {
-        let mut arm = Watched { session, shared };
-        let served = arm.serve(&orders, pace);
+        let mut arm = Watched {
+            session,
+            shared,
+            pace,
+        };
+        let served = arm.serve(&orders);
         let ended = arm.session.stop_after(served);
         if let Err(error) = &ended {
             arm.shared.note_failure(format!(" ({error})"));
@@ -73,6 +87,7 @@ pub(super) fn spawn(
 struct Watched {
     session: Session,
     shared: Arc<Shared>,
+    pace: Pace,
 }
 
 impl Drop for Watched {
@@ -114,12 +129,12 @@ impl Watched {
         Ok(())
     }
 
-    fn serve(&mut self, orders: &Receiver<Order>, pace: Pace) -> Result<(), LinkError> {
+    fn serve(&mut self, orders: &Receiver<Order>) -> Result<(), LinkError> {
         for _ in 0..WAKING {
             Controlled::pass_time(self)?;
         }
         loop {
-            let order = match (pace, orders.try_recv()) {
+            let order = match (self.pace, orders.try_recv()) {
                 (Pace::RealTime, Err(TryRecvError::Empty)) => {
                     Controlled::pass_time(self)?;
                     continue;
@@ -154,7 +169,8 @@ impl Watched {
     }
 
     fn do_task(&mut self, task: &Task) -> Outcome {
-        let shared = self.shared.clone();
+        let (shared, pace) = (self.shared.clone(), self.pace);
+        let tick_rate = f64::from(self.session.settings.control.tick_rate);
         let wants_stop = || shared.wants_stop();
         let mut drive = Drive::new(self, &wants_stop);
         match task {
@@ -162,6 +178,9 @@ impl Watched {
             Task::MotorsOn => drive.switch_on(),
             Task::MotorsOff => drive.switch_off(),
             Task::ClearFault => drive.clear_fault(),
+            Task::Stream { options, given } => {
+                drive.follow_stream(options, tick_rate, &mut || next(given, pace, &shared))
+            }
             Task::Follow {
                 moves,
                 pauses,
@@ -182,5 +201,24 @@ impl Watched {
                 }
             }
         }
+    }
+}
+
+/// What the program gives now. The time of an arm that keeps no real time stands still until it gives something.
+fn next(given: &Receiver<SetPoint>, pace: Pace, shared: &Shared) -> Given {
+    match pace {
+        Pace::RealTime => match given.try_recv() {
+            Ok(point) => Given::Point(point),
+            Err(TryRecvError::Empty) => Given::Nothing,
+            Err(TryRecvError::Disconnected) => Given::End,
+        },
+        Pace::AsFastAsPossible => loop {
+            match given.recv_timeout(LOOK) {
+                Ok(point) => return Given::Point(point),
+                Err(RecvTimeoutError::Disconnected) => return Given::End,
+                Err(RecvTimeoutError::Timeout) if shared.is_interrupted() => return Given::Nothing,
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        },
     }
 }

@@ -86,7 +86,9 @@ fn replies(bytes: &[u8]) -> Vec<(Sequence, Reply)> {
     frames
         .map(|frame| match frame.expect("a whole frame") {
             ControllerMessage::Reply { sequence, reply } => (sequence, reply),
-            ControllerMessage::Telemetry(_) => panic!("nobody asked for telemetry"),
+            ControllerMessage::Telemetry(_) | ControllerMessage::Stream(_) => {
+                panic!("nobody asked for telemetry or streams")
+            }
         })
         .collect()
 }

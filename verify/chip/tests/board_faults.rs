@@ -270,6 +270,7 @@ fn a_frame_that_follows_a_long_one_is_sent() {
     for message in hear(&driven) {
         match message {
             ControllerMessage::Telemetry(sample) => numbers.push(sample.number),
+            ControllerMessage::Stream(state) => panic!("{state:?}"),
             ControllerMessage::Reply { reply, .. } => {
                 assert!(matches!(reply, Reply::Snapshot(Some(_))), "{reply:?}");
                 replies += 1;

@@ -5,7 +5,7 @@ use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::{MoveKind, Request};
 
 /// The names of the kinds.
-pub const KINDS: [&str; 29] = [
+pub const KINDS: [&str; 32] = [
     "Hello",
     "Status",
     "Snapshot",
@@ -35,6 +35,9 @@ pub const KINDS: [&str; 29] = [
     "Timed",
     "Crossing",
     "BoardTest",
+    "BeginStream",
+    "Point",
+    "EndStream",
 ];
 
 /// The place of a command's kind in [`KINDS`].
@@ -73,5 +76,8 @@ pub(crate) fn kind_of(command: &HostCommand) -> usize {
             MoveKind::Crossing(_) => 27,
         },
         HostCommand::BoardTest(_) => 28,
+        HostCommand::BeginStream(_) => 29,
+        HostCommand::Point(_) => 30,
+        HostCommand::EndStream => 31,
     }
 }

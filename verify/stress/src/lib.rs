@@ -23,6 +23,7 @@ pub mod rules;
 mod samples;
 mod sections;
 mod session;
+mod stream;
 mod timed;
 mod way_out;
 

@@ -4,6 +4,7 @@ use crate::bytes::Bytes;
 use crate::crossing_arm::{CROSSING, cross};
 use crate::samples::Hostile;
 use crate::sections::{key, section, tool_output};
+use crate::stream::StreamRun;
 use crate::timed::{TimedRun, Tool};
 use fivebar_firmware::controller::{Excitation, Excited};
 use fivebar_firmware::protocol::{BoardTest, HostCommand, VERSION};
@@ -20,6 +21,8 @@ pub(crate) enum Event {
     Move(MoveKind),
     /// The host sends a motion that it has planned.
     Timed(TimedRun),
+    /// Set-points are streamed.
+    Stream(StreamRun),
     /// The host brings the arm to where a crossing begins, and sends it.
     Crossing(CrossingMove),
     /// The host clears the fault, declares the angles and arms the arm.
@@ -85,7 +88,8 @@ pub(crate) fn settings(flags: u8) -> Settings {
 /// The next event of a session with these flags.
 pub(crate) fn next(bytes: &mut Bytes<'_>, tool: Tool, flags: u8, settings: &Settings) -> Event {
     match bytes.byte() {
-        0..=44 if host_plans(flags) => Event::Timed(TimedRun::from_bytes(bytes)),
+        0..=34 if host_plans(flags) => Event::Timed(TimedRun::from_bytes(bytes)),
+        35..=49 if host_plans(flags) => Event::Stream(StreamRun::from_bytes(bytes)),
         0..=29 if crosses(flags) => Event::Crossing(crossing(bytes)),
         0..=89 => Event::Move(motion(bytes, tool)),
         90..=139 => Event::Wait(u16::from(bytes.byte()) * 8),

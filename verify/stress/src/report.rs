@@ -16,6 +16,8 @@ pub struct Report {
     pub moves: [u32; 2],
     /// Timed moves among them.
     pub timed: [u32; 2],
+    /// Ticks along streams.
+    pub streamed: u32,
     /// Settings that were applied, and refused.
     pub settings: [u32; 2],
     /// Sessions in which a fault was latched.
@@ -41,6 +43,7 @@ impl Report {
             commands: sum(self.commands, other.commands),
             moves: sum(self.moves, other.moves),
             timed: sum(self.timed, other.timed),
+            streamed: self.streamed + other.streamed,
             settings: sum(self.settings, other.settings),
             faults: self.faults + other.faults,
             kinds: std::array::from_fn(|kind| self.kinds[kind] + other.kinds[kind]),

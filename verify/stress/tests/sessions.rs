@@ -36,9 +36,9 @@ proptest! {
     }
 }
 
-/// Timed moves are taken and followed up to the limits of the joints; others are refused.
+/// Timed moves and streams are taken and followed up to the limits of the joints; others are refused.
 #[test]
-fn timed_moves_of_fixed_seeds_reach_the_limits_of_the_joints() {
+fn timed_moves_and_streams_of_fixed_seeds_reach_the_limits_of_the_joints() {
     let mut sum = Report::default();
     for seed in 0..48 {
         match run(&of_planning_host(bytes_of(seed, 300), seed as u8)) {
@@ -52,7 +52,10 @@ fn timed_moves_of_fixed_seeds_reach_the_limits_of_the_joints() {
         ..
     } = sum;
     assert!(taken > 100 && refused > 50, "{sum:?}");
-    assert!(reached.timed > 5_000, "{sum:?}");
+    for (kind, times) in KINDS.into_iter().zip(sum.kinds) {
+        assert!(times > 0 || !OF_PLANNERS.contains(&kind), "{kind}: {sum:?}");
+    }
+    assert!(reached.timed > 5_000 && sum.streamed > 5_000, "{sum:?}");
     assert!(
         reached.joint_speed > 0.97 && reached.joint_acceleration > 0.9 && reached.torque > 0.97,
         "{sum:?}"
@@ -67,6 +70,9 @@ fn of_crossing_arm(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
+/// The commands of a host that plans.
+const OF_PLANNERS: [&str; 4] = ["Timed", "BeginStream", "Point", "EndStream"];
+
 /// A command that no session gives is checked by none.
 #[test]
 fn sessions_of_fixed_seeds_give_every_command_cross_and_leave_a_way_out() {
@@ -78,7 +84,7 @@ fn sessions_of_fixed_seeds_give_every_command_cross_and_leave_a_way_out() {
         }
     }
     for (kind, times) in KINDS.into_iter().zip(sum.kinds) {
-        assert!(times > 0 || kind == "Timed", "{kind}: {sum:?}");
+        assert!(times > 0 || OF_PLANNERS.contains(&kind), "{kind}: {sum:?}");
     }
     let [to_motion, to_reason] = sum.ways_out;
     assert!(sum.crossings > 5 && to_motion > 2 * to_reason, "{sum:?}");

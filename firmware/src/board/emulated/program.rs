@@ -114,7 +114,7 @@ mod app {
                     local.sender.send(&frame);
                 }
             }
-            if let Some(frame) = local.session.telemetry(&mut controller) {
+            if let Some(frame) = local.session.telemetry(&mut controller, local.planner) {
                 local.sender.send(&frame);
             }
             // Sleeps until the next byte. A byte that has come since the check wakes it at once.

@@ -19,6 +19,7 @@ use queue::PathQueue;
 
 pub(crate) use brake::stopping_time;
 pub(crate) use output::{PathOutput, least_rest};
+pub(crate) use queue::Change;
 pub use queue::QUEUED_SEGMENTS;
 
 /// With this many queued segments or more the planner is not late, even if they are short.
@@ -203,6 +204,30 @@ impl Path {
         if self.queue.ends_in_motion() || self.is_enough() {
             self.commit();
         }
+    }
+
+    /// Number of segments ever pushed, modulo 2³².
+    pub(crate) fn pushed(&self) -> u32 {
+        self.queue.pushed()
+    }
+
+    /// Stores the n-th segment ever behind the committed ones, which begins so long after the last one of these does [s].
+    pub(crate) fn store_behind(&mut self, n: u32, queued: &QueuedSegment, after: f32) {
+        self.queue.store_behind(n, queued, after);
+    }
+
+    /// Changes the last committed segment, which is the `last` one ever, and commits what was stored behind it up to the n-th
+    /// one, which ends at rest. Returns whether it has: not in a stop, nor where it would change the segment in progress for another.
+    pub(crate) fn splice(&mut self, last: u32, change: Change<'_>, n: u32) -> bool {
+        let least = match change {
+            Change::EndAfter(_) => 1,
+            Change::Replace(_) => 2,
+        };
+        if self.brake.is_some() || !self.queue.ends_with(last, least) {
+            return false;
+        }
+        self.committed_left += self.queue.splice(change, n);
+        true
     }
 
     fn commit(&mut self) {

@@ -27,6 +27,15 @@ pub(super) struct Timed {
     end: u32,
 }
 
+/// What becomes of the last committed segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Change<'a> {
+    /// It ends after this time [s].
+    EndAfter(f32),
+    /// Another one takes its place.
+    Replace(&'a QueuedSegment),
+}
+
 /// The end of the committed or of the pushed path.
 #[derive(Clone, Copy)]
 struct Extent {
@@ -162,7 +171,7 @@ impl PathQueue {
         let Some(slot) = self.slots.get_mut(slot(self.pushed.count)) else {
             return;
         };
-        let duration = ((queued.segment.duration() * 1e6) as u32).min(LONGEST);
+        let duration = microseconds(queued.segment.duration());
         self.pushed = Extent {
             count: self.pushed.count.wrapping_add(1),
             end: self.pushed.end.wrapping_add(duration),
@@ -173,6 +182,71 @@ impl PathQueue {
         slot.queued.limits = queued.limits;
         slot.changes_tool = changes_tool;
         slot.end = self.pushed.end;
+    }
+
+    /// Number of segments ever pushed; wraps.
+    pub(super) fn pushed(&self) -> u32 {
+        self.pushed.count
+    }
+
+    /// Whether the n-th segment ever is the last committed one, with so many at least before it that are not passed, itself
+    /// among them.
+    pub(super) fn ends_with(&self, n: u32, least: u32) -> bool {
+        n == self.committed.count && self.len() >= least
+    }
+
+    /// Stores the n-th segment ever behind the committed ones, if there is room. It begins so long after the last committed one
+    /// does [s].
+    pub(super) fn store_behind(&mut self, n: u32, queued: &QueuedSegment, after: f32) {
+        let is_free = n.wrapping_sub(self.passed) <= QUEUED_SEGMENTS as u32;
+        let begins = self.last_begins().wrapping_add(microseconds(after));
+        if let (true, Some(slot)) = (is_free, self.slots.get_mut(slot(n.wrapping_sub(1)))) {
+            slot.queued.segment.copy_from(&queued.segment);
+            slot.queued.open = queued.open;
+            slot.queued.limits = queued.limits;
+            slot.changes_tool = false;
+            slot.end = begins.wrapping_add(microseconds(queued.segment.duration()));
+        }
+    }
+
+    /// Replaces the last committed segment or ends it earlier, and commits what was stored behind it up to the n-th segment
+    /// ever, which ends at rest. Returns how much longer the committed path is [s].
+    pub(super) fn splice(&mut self, change: Change<'_>, n: u32) -> f32 {
+        let (before, begins) = (self.committed.end, self.last_begins());
+        if let Some(last) = self
+            .slots
+            .get_mut(slot(self.committed.count.wrapping_sub(1)))
+        {
+            match change {
+                Change::EndAfter(duration) => last.queued.segment.end_after(duration),
+                Change::Replace(queued) => {
+                    last.queued.segment.copy_from(&queued.segment);
+                    last.queued.open = queued.open;
+                    last.queued.limits = queued.limits;
+                }
+            }
+            last.end = begins.wrapping_add(microseconds(last.queued.segment.duration()));
+        }
+        let end = self
+            .slots
+            .get(slot(n.wrapping_sub(1)))
+            .map_or(before, |it| it.end);
+        self.committed = Extent {
+            count: n,
+            end,
+            in_motion: false,
+        };
+        self.pushed = self.committed;
+        end.wrapping_sub(before) as i32 as f32 * 1e-6
+    }
+
+    /// The time at which the last committed segment begins [µs].
+    fn last_begins(&self) -> u32 {
+        let last = self.slots.get(slot(self.committed.count.wrapping_sub(1)));
+        last.map_or(0, |last| {
+            last.end
+                .wrapping_sub(microseconds(last.queued.segment.duration()))
+        })
     }
 
     /// Commits all pushed segments. Returns the time [s] that this adds behind the first one.
@@ -193,6 +267,12 @@ impl PathQueue {
     pub(super) fn behind(&self, segment: &Timed) -> f32 {
         self.committed.end.wrapping_sub(segment.end) as f32 * 1e-6
     }
+}
+
+/// A duration [s] as whole microseconds.
+#[inline(always)]
+fn microseconds(duration: f32) -> u32 {
+    ((duration * 1e6) as u32).min(LONGEST)
 }
 
 /// The slot of the n-th segment ever.

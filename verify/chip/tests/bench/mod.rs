@@ -317,7 +317,7 @@ pub(crate) fn say(driven: &Driven, sequence: u16, command: HostCommand) -> Vec<R
         .into_iter()
         .filter_map(|message| match message {
             ControllerMessage::Reply { reply, .. } => Some(reply),
-            ControllerMessage::Telemetry(_) => None,
+            ControllerMessage::Telemetry(_) | ControllerMessage::Stream(_) => None,
         });
     replies.collect()
 }

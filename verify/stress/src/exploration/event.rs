@@ -34,6 +34,12 @@ pub(crate) enum Event {
     Joint,
     /// The first of this many pieces of a motion that the host has planned from the start.
     Timed(usize),
+    /// The host begins a stream of set-points.
+    BeginStream,
+    /// So many points of it.
+    Points(u16),
+    /// A point that is none.
+    WrongPoint,
     /// The host's moves other than these.
     Move(MoveKind),
     /// This disturbance begins.
@@ -59,8 +65,8 @@ pub(crate) enum Event {
 /// All events, those of the board's faults included.
 pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     use Event::{
-        Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed, Move, OldEmergencyStop,
-        Read, Silence, Ticks, Timed, Undisturb, Until, Zeros,
+        BeginStream, Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed, Move,
+        OldEmergencyStop, Points, Read, Silence, Ticks, Timed, Undisturb, Until, WrongPoint, Zeros,
     };
     let requests = [
         Request::Arm,
@@ -87,6 +93,7 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
         HostCommand::ApplySettings,
         HostCommand::SaveSettings,
         HostCommand::Telemetry { every: 7 },
+        HostCommand::EndStream,
         HostCommand::BeginLog(LogConfig {
             signals: 0xff,
             every: 1,
@@ -97,6 +104,7 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     events.extend(requests.map(|request| Command(HostCommand::Request(request))));
     events.extend(commands.map(Command));
     events.extend([Line(0), Line(FULL_TOOL), Joint, Timed(1), Timed(usize::MAX)]);
+    events.extend([BeginStream, Points(3), Points(20), WrongPoint]);
     let to = [1.0, 1.0];
     let wrong = CrossingMove {
         law: [0.0; 3],
@@ -205,6 +213,9 @@ impl<D: ExploredDrives> World<D> {
                 }
                 Ok(())
             }
+            Event::BeginStream => self.begin_stream(),
+            Event::Points(points) => self.stream_points(points),
+            Event::WrongPoint => self.wrong_point(),
             Event::Move(kind) => self.send_move(0, kind).map(drop),
             Event::Disturb(disturbance) => {
                 self.disturb(Some(disturbance));

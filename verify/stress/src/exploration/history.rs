@@ -118,6 +118,14 @@ impl History {
                 let gives_angles = matches!(request, SetAngles(_));
                 self.step(after, gives_angles)
             }
+            HostCommand::BeginStream(_) => {
+                breaks(
+                    "a stream begins only where the arm is held",
+                    after.state == State::Armed,
+                )?;
+                self.moves += 1;
+                self.step(after, false)
+            }
             HostCommand::Move(_) => {
                 breaks(
                     "a move is accepted only where paths are followed",

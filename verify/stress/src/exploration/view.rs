@@ -28,6 +28,8 @@ pub(super) struct View {
     /// Where paths are followed: the planner's queue is empty.
     is_planned: bool,
     is_held: bool,
+    /// A stream of set-points has the arm.
+    streams: bool,
     /// The assembly mode.
     is_left: bool,
     has_settings: bool,
@@ -54,6 +56,7 @@ enum Age {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outside {
     pub(super) is_planned: bool,
+    pub(super) streams: bool,
     pub(super) has_settings: bool,
     pub(super) is_silent: bool,
     pub(super) zeros_are_wrong: bool,
@@ -89,6 +92,8 @@ impl View {
             // Elsewhere the queue is dropped as soon as the planner runs.
             is_planned: outside.is_planned && follows,
             is_held: snapshot.hold.is_some(),
+            // Elsewhere it ends as soon as the planner runs.
+            streams: outside.streams && follows,
             is_left: snapshot.assembly == Side::Left,
             has_settings: outside.has_settings,
             // Without power the host's silence ends nothing.

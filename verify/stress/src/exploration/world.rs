@@ -9,6 +9,8 @@ use crate::rules::{Rules, Violation};
 use crate::way_out::Machine;
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::Drives;
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION,
@@ -21,6 +23,13 @@ use fivebar_firmware::{ActuatorCommand, Move, MoveKind, Planner, SensorSample, S
 
 /// Ticks between two requests of the status.
 const POLL: u32 = 50;
+/// The host's stream: a point in each millisecond, 5 ms ahead.
+const STREAM: StreamConfig = StreamConfig {
+    id: 1,
+    mode: StreamMode::Tip,
+    period: 2,
+    delay: 10,
+};
 /// Ticks in which the zeros of the current sensors are measured with the bridges off.
 const ZERO_TICKS: u32 = 64 + 2048;
 
@@ -55,6 +64,8 @@ pub(super) struct World<D: ExploredDrives> {
     status: Status,
     command: ActuatorCommand,
     outside: Outside,
+    /// The tick in which the host began its last stream, and the tool then [m].
+    stream: (u32, [f32; 2]),
     /// Ticks with the bridges off.
     unpowered_for: u32,
     /// The view after the last tick, and how long it has lasted.
@@ -81,6 +92,7 @@ impl<D: ExploredDrives> World<D> {
         };
         let outside = Outside {
             is_planned: true,
+            streams: false,
             has_settings,
             is_silent: false,
             zeros_are_wrong: false,
@@ -99,6 +111,7 @@ impl<D: ExploredDrives> World<D> {
             status,
             command,
             outside,
+            stream: (0, [0.0; 2]),
             unpowered_for: 0,
             view: (View::new(&status, &snapshot, &command, outside), 0),
             controller,
@@ -229,6 +242,58 @@ impl<D: ExploredDrives> World<D> {
         }
     }
 
+    /// The host begins a stream of set-points.
+    pub(super) fn begin_stream(&mut self) -> Result<(), Violation> {
+        let begun = self.command(HostCommand::BeginStream(STREAM))?;
+        if begun.is_none() {
+            self.stream = (self.status.tick, self.tool());
+        }
+        Ok(())
+    }
+
+    /// The host sends some points of its stream, which are due a delay later, to and fro by half a millimetre.
+    pub(super) fn stream_points(&mut self, points: u16) -> Result<(), Violation> {
+        let (begun, [x, y]) = self.stream;
+        let period = u32::from(STREAM.period);
+        let since = self.status.tick.wrapping_sub(begun) / period;
+        for n in (since..).take(points.into()) {
+            let (sine, cosine) = (0.2 * n as f32).sin_cos();
+            let point = StreamPoint {
+                id: STREAM.id,
+                due: begun
+                    .wrapping_add(n.wrapping_mul(period))
+                    .wrapping_add(u32::from(STREAM.delay)),
+                position: (x + 2.5e-4 * (1.0 - cosine), y),
+                velocity: (0.05 * sine, 0.0),
+            };
+            self.send_point(n as u16, point)?;
+        }
+        Ok(())
+    }
+
+    /// The host sends a point whose number is infinite.
+    pub(super) fn wrong_point(&mut self) -> Result<(), Violation> {
+        let point = StreamPoint {
+            id: STREAM.id,
+            due: self.status.tick + u32::from(STREAM.delay),
+            position: (f32::INFINITY, f32::INFINITY),
+            velocity: (0.0, 0.0),
+        };
+        self.send_point(0, point)
+    }
+
+    fn send_point(&mut self, n: u16, point: StreamPoint) -> Result<(), Violation> {
+        let (sequence, command) = (Sequence(n), HostCommand::Point(point));
+        if let Some(reply) = self.answer(&HostMessage { sequence, command }) {
+            let found = format!("{command:?}: {reply:?}");
+            self.broken(Err(("a point gets no reply", found)))?;
+        }
+        let kept = self.history.step(&self.status, false);
+        self.broken(kept)?;
+        self.look();
+        Ok(())
+    }
+
     /// An emergency stop whose number is not the next one.
     pub(super) fn old_emergency_stop(&mut self) -> Result<(), Violation> {
         let sequence = Sequence(self.next.0.wrapping_sub(9));
@@ -337,6 +402,10 @@ impl<D: ExploredDrives> World<D> {
     fn seen_from_outside(&self) -> View {
         let outside = Outside {
             is_planned: self.planner.is_empty(),
+            streams: self
+                .planner
+                .stream()
+                .is_some_and(|stream| stream.phase != StreamPhase::Ended),
             is_silent: self.rules.silence > self.rules.timeout,
             disturbance: self.arm.disturbance,
             ..self.outside

@@ -5,6 +5,7 @@ use crate::arm::plant;
 use crate::limits::Followed;
 use crate::orders::Event;
 use crate::rules::Violation;
+use crate::stream::StreamRun;
 use crate::timed::TimedRun;
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
@@ -27,6 +28,7 @@ impl Session<'_> {
                 Ok(())
             }
             Event::Timed(run) => self.timed_run(&run),
+            Event::Stream(run) => self.stream(&run),
             Event::Crossing(plan) => self.crossing(plan),
             Event::Recover => self.recover(),
             Event::Repair => {
@@ -118,6 +120,25 @@ impl Session<'_> {
         self.command(HostCommand::Move(Move { tag, tool, kind }))?;
         let refused = |refusals: &Vec<bool>| refusals.get(number) == Some(&true);
         Ok(!(refused(&self.refusals) || self.replace.as_ref().is_some_and(refused)))
+    }
+
+    /// Streams set-points from where the arm is.
+    fn stream(&mut self, run: &StreamRun) -> Result<(), Violation> {
+        let status = self.controller.status();
+        let joints = status.joint_reference.map_or(status.angle, |it| it.angle);
+        let (begun, tool) = (status.tick, self.tool());
+        self.timed_end = None;
+        self.command(HostCommand::BeginStream(*run.config()))?;
+        for n in 0..run.points {
+            if let Some(point) = run.point(n, begun, tool, joints) {
+                self.point(n, &point)?;
+            }
+            self.wait(StreamRun::period(), false)?;
+        }
+        if run.ends {
+            self.command(HostCommand::EndStream)?;
+        }
+        Ok(())
     }
 
     /// Sends a run of timed moves from where the arm comes to rest, or where the last run ends.

@@ -13,6 +13,8 @@ use crate::rules::{Rules, Violation};
 use crate::samples::Hostile;
 use crate::timed::Tool;
 use fivebar_firmware::controller::Controller;
+use fivebar_firmware::motion::StreamPoint;
+use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION, encode,
@@ -196,6 +198,15 @@ impl<'b> Session<'b> {
         self.receive(&frame)
     }
 
+    /// Sends a point of a stream; in the second run a status takes its place, because that is a sign of life, too.
+    fn point(&mut self, n: u16, point: &StreamPoint) -> Result<(), Violation> {
+        let (sequence, command) = (Sequence(n), HostCommand::Point(*point));
+        self.report.kinds[kind_of(&command)] += 1;
+        let message: HostMessage = HostMessage { sequence, command };
+        let frame = encode(&message).expect("every command fits a frame");
+        self.receive(&frame)
+    }
+
     /// Bytes arrive at the controller.
     fn receive(&mut self, bytes: &[u8]) -> Result<(), Violation> {
         for &byte in bytes {
@@ -342,10 +353,16 @@ impl<'b> Session<'b> {
         );
         let status = self.controller.status();
         self.rules.check(tick, &sample, &command, &status)?;
-        let followed = status
-            .tag
-            .and_then(|tag| self.kinds.get(tag as usize))
-            .copied();
+        let followed = match self.planner.stream() {
+            Some(stream) if stream.phase != StreamPhase::Ended => {
+                self.report.streamed += u32::from(status.state == State::Running);
+                Some(Followed::Timed)
+            }
+            _ => status
+                .tag
+                .and_then(|tag| self.kinds.get(tag as usize))
+                .copied(),
+        };
         let planning = self.controller.planning_snapshot();
         if let Some(limits) = &mut self.limits {
             let reached = limits
@@ -366,7 +383,7 @@ impl<'b> Session<'b> {
         }
         let rate = f64::from(self.controller.settings().control.tick_rate);
         self.plant.step(&command, 1.0 / rate);
-        let _ = self.session.telemetry(&mut self.controller);
+        let _ = self.session.telemetry(&mut self.controller, &self.planner);
         self.report.ticks += 1;
         self.report.powered += u32::from(command.enable[0]);
         self.outputs.push((

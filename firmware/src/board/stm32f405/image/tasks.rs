@@ -105,7 +105,7 @@ impl<P: Parts> Idle<P> {
                 }
             }
             self.planner.run(controller);
-            if let Some(frame) = self.session.telemetry(controller) {
+            if let Some(frame) = self.session.telemetry(controller, self.planner) {
                 self.sender.send(&frame);
             }
             self.services.times.count();

@@ -1,0 +1,9 @@
+//! Streams of set-points, in virtual time.
+
+#[path = "../shared/rig.rs"]
+mod rig;
+
+mod host;
+
+mod cases;
+mod following;

@@ -1,0 +1,80 @@
+"""Set-points that a program streams to an arm."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import List, Optional, Type
+
+from . import _native
+from ._errors import FivebarError
+from ._shapes import pair
+
+
+class Stream:
+    """Set-points, one after the other; :meth:`fivebar.LiveArm.stream` makes it.
+
+    Each call is one point, a period of the stream's rate after the point before. It waits while the points before it last
+    longer than the stream's delay, so a loop without a clock keeps the stream's time. The first point is where the arm is,
+    within 0.5 mm or 1 mrad. All points are of the tip, or all of the joints.
+
+    A program that pauses longer than the delay lets the arm come to rest; its next points lead smoothly back to its motion. A point
+    beyond a limit ends the stream before it: the call, or the end of the ``with`` block, raises
+    :class:`fivebar.ControllerError` with the reason, and the arm rests.
+    """
+
+    def __init__(self, connection: _native.Connection, rate: float, delay: Optional[float]) -> None:
+        self._connection = connection
+        self._rate = rate
+        self._delay = delay
+        #: Whether the points are of the joints; None before the first one.
+        self._joints: Optional[bool] = None
+
+    def tip(
+        self, x: float, y: float, vx: Optional[float] = None, vy: Optional[float] = None
+    ) -> None:
+        """The tip is at (x, y) [m] with this velocity [m/s]; by default that of the points beside."""
+        self._give(False, (x, y), (vx, vy))
+
+    def joint(
+        self,
+        theta1: float,
+        theta4: float,
+        omega1: Optional[float] = None,
+        omega4: Optional[float] = None,
+    ) -> None:
+        """The joints are at these angles [rad] with these velocities [rad/s]; by default those of the points beside."""
+        self._give(True, (theta1, theta4), (omega1, omega4))
+
+    def _give(self, joints: bool, position: object, velocity: object) -> None:
+        first, second = velocity  # type: ignore[misc]
+        if (first is None) != (second is None):
+            raise FivebarError("a velocity has two components: give both or none")
+        if self._joints is None:
+            self._connection.begin_stream(joints, self._rate, self._delay)
+            self._joints = joints
+        elif self._joints is not joints:
+            raise FivebarError("a stream has points of the tip or of the joints, not both")
+        self._connection.stream_point(
+            _floats("position", position),
+            None if first is None else _floats("velocity", velocity),
+        )
+
+    def __enter__(self) -> Stream:
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        trace: Optional[TracebackType],
+    ) -> None:
+        try:
+            self._connection.end_stream()
+        except FivebarError:
+            # What has ended the block says more.
+            if error is None:
+                raise
+
+
+def _floats(name: str, values: object) -> List[float]:
+    return [float(value) for value in pair(name, values)]

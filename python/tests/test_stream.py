@@ -1,0 +1,72 @@
+"""Set-points that a program streams. The arm's time passes only during the calls."""
+
+from math import cos, sin, tau
+
+import pytest
+
+import fivebar
+
+
+def armed(robot="benchtop"):
+    live = fivebar.connect("simulated", robot=robot, real_time=False)
+    live.home()
+    live.motors_on()
+    return live
+
+
+def circle(first, second, radius, points=400):
+    """From (first, second) round and back, smoothly from rest to rest."""
+    for k in range(points + 1):
+        u = k / points
+        a = tau * u * u * (3 - 2 * u)
+        yield first + radius * sin(a), second + radius * (1 - cos(a))
+
+
+@pytest.mark.parametrize("robot", ["benchtop", "benchtop_stepper", "leg", "classroom_servo"])
+def test_every_kind_follows_a_circle_of_the_tip_and_of_the_joints(robot):
+    with armed(robot) as live:
+        x, y = live.state.tool
+        with live.stream(rate=200) as stream:
+            for point in circle(x, y, 2e-3):
+                stream.tip(*point)
+        assert live.state.state == "Armed"
+        assert live.state.tool == pytest.approx((x, y), abs=2e-3)
+        theta = live.state.theta
+        with live.stream(rate=200, delay=0.03) as stream:
+            for point in circle(*theta, 0.02):
+                stream.joint(*point)
+        assert live.state.theta == pytest.approx(theta, abs=2e-2)
+
+
+def test_a_point_beyond_a_limit_ends_the_stream_with_the_reason_and_the_arm_rests():
+    with armed() as live:
+        x, y = live.state.tool
+        with pytest.raises(fivebar.ControllerError, match="stops before a point"):
+            with live.stream() as stream:
+                for k in range(2000):
+                    stream.tip(x + 1e-7 * k * k, y)
+        assert live.state.state == "Armed" and live.state.fault is None
+        with pytest.raises(fivebar.ControllerError, match="move there first"):
+            with live.stream() as stream:
+                for _ in range(100):
+                    stream.tip(0.0, 0.3)
+
+
+def test_what_is_no_point_is_refused_and_the_stream_ends_at_rest():
+    with armed() as live:
+        x, y = live.state.tool
+        for wrong, why in [
+            (lambda stream: stream.tip(x, float("nan")), "finite"),
+            (lambda stream: stream.tip(x, y, 0.1), "two components"),
+            (lambda stream: stream.joint(2.2, 0.9), "not both"),
+        ]:
+            with pytest.raises(fivebar.FivebarError, match=why):
+                with live.stream() as stream:
+                    stream.tip(x, y)
+                    stream.tip(x, y)
+                    wrong(stream)
+            assert live.state.state == "Armed"
+        with live.stream():
+            pass
+        with pytest.raises(fivebar.FivebarError, match="rate"):
+            live.stream(rate=0.0)
