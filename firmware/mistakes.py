@@ -370,7 +370,7 @@ MISTAKES = [
     ("frames of an old tick stay", "drives/can/waiting.rs", "        self.frames.clear();\n        can.abort();\n", "        can.abort();\n"),
     ("mailboxes of an old tick stay", "drives/can/waiting.rs", "        can.abort();\n", ""),
     ("the fourth frame of a tick is lost", "drives/can/waiting.rs", "self.frames.iter().skip(self.put)", "self.frames.iter().take(3).skip(self.put)"),
-    ("a field that leads the other way", "drives/load_angle.rs", "(arcsine(sine) + lag) * (2.0 / PI)", "(arcsine(-sine) + lag) * (2.0 / PI)"),
+    ("a field that leads the other way", "drives/load_angle.rs", "(arcsine(sine) + self.lags) * (2.0 / PI)", "(arcsine(-sine) + self.lags) * (2.0 / PI)"),
     ("the lead taken for the rotor's place", "drives/step.rs", "            counts.wrapping_sub(self.load_angle.made())", "            counts"),
     ("a field that leads by what a loop wants", "drives/step.rs", ".map(|torque| demand.keeps_to_motion.then_some(torque));", ".map(Some);"),
     ("lost steps hidden by the lead", "drives/step.rs", "let told = self.made.wrapping_sub(self.load_angle.made());", "let told = self.made;"),

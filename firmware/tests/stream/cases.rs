@@ -179,10 +179,10 @@ fn wrong_points_are_refused_with_the_reason_and_three_in_a_row_end_the_stream() 
     type Change = fn(&mut Streaming, &mut (u16, StreamPoint));
     let changes: [(StreamReason, Change); 6] = [
         (StreamReason::Number, |_, (_, point)| {
-            point.position.1 = f32::NAN
+            point.position.1 = f32::NAN;
         }),
         (StreamReason::Number, |_, (_, point)| {
-            point.velocity.0 = f32::INFINITY
+            point.velocity.0 = f32::INFINITY;
         }),
         (StreamReason::Early, |stream, (_, point)| {
             point.due = stream.rig.controller.ticks() + 251 * MS;

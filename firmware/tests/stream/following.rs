@@ -65,7 +65,7 @@ fn push(rig: &mut Rig, piece: &TimedMove) -> Result<(), ()> {
 fn piece(motion: Motion<'_>, n: u32) -> TimedMove {
     let time = 0.01;
     let begin = f64::from(n) * time;
-    let [[p, v], [q, w]] = [begin, begin + time].map(|t| motion(t));
+    let [[p, v], [q, w]] = [begin, begin + time].map(motion);
     let coefficients: [[f64; 2]; 4] = [
         p,
         [0, 1].map(|k| v[k] * time),

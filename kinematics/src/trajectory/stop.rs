@@ -96,7 +96,7 @@ impl<S: Scalar> Envelope<S> {
         };
         self.verify_path(&path, Some(angles), |_, _| Ok(()))
             .map_err(|error| error.violation)?;
-        let step = segment.duration() * S::from_f64(1.0 / PLACES as f64);
+        let step = segment.duration() * S::from_f64(1.0 / f64::from(PLACES));
         let mut time = S::ZERO;
         for _ in 0..PLACES {
             time += step;

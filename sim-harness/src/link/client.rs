@@ -267,16 +267,16 @@ impl<L: Read + Write> Client<L> {
     /// A failed connection.
     pub fn poll(&mut self) -> Result<(), LinkError> {
         if let Some(message) = self.next_message::<BrushedCommand>()? {
-            self.keep(message);
+            self.keep(&message);
         }
         Ok(())
     }
 
     /// Keeps what is no reply. A reply is a late one to a command that was sent twice.
-    fn keep<C>(&mut self, message: ControllerMessage<C>) {
+    fn keep<C>(&mut self, message: &ControllerMessage<C>) {
         match message {
-            ControllerMessage::Telemetry(sample) => self.telemetry.push_back(sample),
-            ControllerMessage::Stream(state) => self.stream.push_back(state),
+            ControllerMessage::Telemetry(sample) => self.telemetry.push_back(*sample),
+            ControllerMessage::Stream(state) => self.stream.push_back(*state),
             ControllerMessage::Reply { .. } => {}
         }
     }
@@ -321,7 +321,7 @@ impl<L: Read + Write> Client<L> {
                 Some(ControllerMessage::Reply { sequence: s, reply }) if s == sequence => {
                     return Ok(Some(reply));
                 }
-                Some(other) => self.keep(other),
+                Some(other) => self.keep(&other),
                 None => idle_reads += u128::from(self.unread.is_empty()),
             }
         }

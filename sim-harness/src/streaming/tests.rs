@@ -59,7 +59,7 @@ fn points_are_due_a_period_apart_with_the_velocity_of_their_neighbours() {
         assert_eq!((u32::from(n), sent.due), (point, tick + 400));
         let time = f64::from(point - 1) * 2e-3;
         if point > 1 {
-            assert!((f64::from(sent.velocity[1]) - 0.06 * (3.0 * time).cos()).abs() < 1e-5);
+            assert!((f64::from(sent.velocity.1) - 0.06 * (3.0 * time).cos()).abs() < 1e-5);
         }
         last = Some(sent.due);
     }
@@ -87,7 +87,7 @@ fn the_points_of_a_wrong_clock_stay_ahead_by_the_delay_within_a_period() {
             let ahead = f64::from(sent.due) - f64::from(tick);
             (least, most) = (least.min(ahead), most.max(ahead));
             // The point is where the motion is in its tick.
-            let [x, _] = sent.position;
+            let (x, _) = sent.position;
             assert!((f64::from(x) / 0.1 - (time - 1e-3)).abs() < 6e-5 + 3e-6 * time);
         }
         assert!(
@@ -108,14 +108,17 @@ fn a_stream_that_goes_on_begins_at_rest_and_comes_back_to_the_motion() {
         .map(|(_, point)| point)
         .collect();
     let first = &points[0];
-    assert_eq!(first.position, rest.map(|value| value as f32));
-    assert_eq!((first.velocity, first.due), ([0.0; 2], 5_400));
+    assert_eq!(
+        <[f32; 2]>::from(first.position),
+        rest.map(|value| value as f32)
+    );
+    assert_eq!((first.velocity, first.due), ((0.0, 0.0), 5_400));
     let worst = points.windows(2).fold(0.0_f32, |worst, pair| {
         // The velocities are those of the positions.
-        let moved = (pair[1].position[0] - pair[0].position[0]) / 2e-3;
-        worst.max((moved - 0.5 * (pair[0].velocity[0] + pair[1].velocity[0])).abs())
+        let moved = (pair[1].position.0 - pair[0].position.0) / 2e-3;
+        worst.max((moved - 0.5 * (pair[0].velocity.0 + pair[1].velocity.0)).abs())
     });
     assert!(worst < 2e-3, "{worst} m/s");
     let last = points.last().expect("points");
-    assert!((f64::from(last.position[0]) - 0.1 * 398.0 * 2e-3).abs() < 1e-7);
+    assert!((f64::from(last.position.0) - 0.1 * 398.0 * 2e-3).abs() < 1e-7);
 }

@@ -70,7 +70,7 @@ pub(crate) fn section(bytes: &mut Bytes<'_>, settings: &Settings) -> Section {
             );
         }
         Section::FieldLag(_, lag) => {
-            change(bytes, &mut [&mut lag.from, &mut lag.slope, &mut lag.bend])
+            change(bytes, &mut [&mut lag.from, &mut lag.slope, &mut lag.bend]);
         }
         Section::Axis(_, axis) => {
             if which & 31 == 0 {

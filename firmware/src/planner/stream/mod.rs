@@ -282,7 +282,7 @@ impl Planner {
             // The new piece takes one more slot than its stop, which is in the queue, too.
             Some(_) if snapshot.path_free == 0 => return Err(StreamReason::Full),
             Some(end) => self.go_on(end, now, point.due)?,
-            None => return self.start_from_rest(controller, snapshot, stream, n, point, now),
+            None => return self.start_from_rest(controller, snapshot, stream, (n, point), now),
         };
         let ticks = point.due.wrapping_sub(start.from.tick);
         let most = u32::from(stream.config.delay).min(self.ticks_of(LONGEST_PIECE));
@@ -338,8 +338,7 @@ impl Planner {
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         snapshot: &PlanningSnapshot,
         stream: &mut Stream,
-        n: u16,
-        point: &StreamPoint,
+        (n, point): (u16, &StreamPoint),
         now: u32,
     ) -> Result<(), StreamReason> {
         let hold = snapshot.hold.ok_or(StreamReason::Late)?;

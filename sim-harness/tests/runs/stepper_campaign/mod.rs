@@ -66,13 +66,12 @@ impl Arm {
     fn new(seed: u64, number: u64) -> Self {
         let mut noise = Noise::new(1000 * seed + number);
         let (mut size, mut gear_ratio) = (1.0, 4.0);
-        while number > 0 {
+        let mut is_taken = number == 0;
+        while !is_taken {
             size = 0.7 + 0.7 * noise.uniform();
             gear_ratio = (20.0 + 40.0 * noise.uniform()).round() / 10.0;
             let ratio = robot(size, gear_ratio, SHARE).inertia_ratio();
-            if ratio.is_some_and(|ratio| ratio < 30.0) {
-                break;
-            }
+            is_taken = ratio.is_some_and(|ratio| ratio < 30.0);
         }
         Self {
             number,

@@ -59,11 +59,10 @@ impl Rival {
         let outcomes: Vec<Outcome> = jobs.par_iter().map(|job| self.run(arm, job)).collect();
         let not_drawn = outcomes.iter().filter(|it| !it.is_drawn()).count();
         let mut order: Vec<&Job> = jobs.iter().collect();
-        while not_drawn > 0 {
+        let mut is_drawn = not_drawn == 0;
+        while !is_drawn {
             self.acceleration *= LOWER;
-            if self.draws(arm, &mut order) {
-                break;
-            }
+            is_drawn = self.draws(arm, &mut order);
         }
         (self, not_drawn)
     }

@@ -62,62 +62,9 @@ impl History {
 
     /// The host's command was executed.
     pub(super) fn accepted(&mut self, command: &HostCommand, after: &Status) -> Result<(), Broken> {
-        use Request::{Arm, ClearFault, Disarm, EmergencyStop, Excite, Home, SetAngles, Stop};
-        let latched = self.fault;
-        let breaks = |rule, is_kept: bool| {
-            if is_kept {
-                Ok(())
-            } else {
-                let found = format!("{command:?} in {:?} led to {:?}", self.state, after.state);
-                Err((rule, found))
-            }
-        };
+        let breaks = |rule, is_kept| self.breaks(command, after, rule, is_kept);
         match command {
-            HostCommand::Request(request) => {
-                match request {
-                    Arm | Home | Excite(_) | Disarm | Stop | SetAngles(_) => breaks(
-                        "under a latched fault only clearing it is accepted",
-                        latched.is_none(),
-                    )?,
-                    EmergencyStop => self.emergency_stopped(after)?,
-                    ClearFault => {}
-                }
-                match request {
-                    Disarm | ClearFault => {
-                        breaks(
-                            "disarming and clearing a fault lead to Stopped",
-                            after.state == State::Stopped,
-                        )?;
-                        breaks(
-                            "a fault is cleared only when the arm rests",
-                            latched.is_none() || !self.is_moving,
-                        )?;
-                    }
-                    Stop => breaks(
-                        "a stop ends a path, a search and an excitation",
-                        !matches!(
-                            after.state,
-                            State::Running | State::Homing | State::Exciting
-                        ),
-                    )?,
-                    SetAngles(_) => breaks(
-                        "angles are declared only while stopped",
-                        self.state == State::Stopped,
-                    )?,
-                    Excite(_) => breaks("a homed arm is not excited", !after.homed)?,
-                    Home => breaks(
-                        "an arm that is to be homed does not count as homed",
-                        !after.homed,
-                    )?,
-                    Arm | EmergencyStop => {}
-                }
-                // A crossing ends before the arm stops.
-                if matches!(request, Stop | Disarm) && after.state != State::Crossing {
-                    self.moves = 0;
-                }
-                let gives_angles = matches!(request, SetAngles(_));
-                self.step(after, gives_angles)
-            }
+            HostCommand::Request(request) => self.requested(request, command, after),
             HostCommand::BeginStream(_) => {
                 breaks(
                     "a stream begins only where the arm is held",
@@ -151,6 +98,75 @@ impl History {
                 (after.state, after.fault, after.homed) == (self.state, self.fault, self.homed),
             ),
         }
+    }
+
+    /// A request was executed.
+    fn requested(
+        &mut self,
+        request: &Request,
+        command: &HostCommand,
+        after: &Status,
+    ) -> Result<(), Broken> {
+        use Request::{Arm, ClearFault, Disarm, EmergencyStop, Excite, Home, SetAngles, Stop};
+        let latched = self.fault;
+        let breaks = |rule, is_kept| self.breaks(command, after, rule, is_kept);
+        match request {
+            Arm | Home | Excite(_) | Disarm | Stop | SetAngles(_) => breaks(
+                "under a latched fault only clearing it is accepted",
+                latched.is_none(),
+            )?,
+            EmergencyStop => self.emergency_stopped(after)?,
+            ClearFault => {}
+        }
+        match request {
+            Disarm | ClearFault => {
+                breaks(
+                    "disarming and clearing a fault lead to Stopped",
+                    after.state == State::Stopped,
+                )?;
+                breaks(
+                    "a fault is cleared only when the arm rests",
+                    latched.is_none() || !self.is_moving,
+                )?;
+            }
+            Stop => breaks(
+                "a stop ends a path, a search and an excitation",
+                !matches!(
+                    after.state,
+                    State::Running | State::Homing | State::Exciting
+                ),
+            )?,
+            SetAngles(_) => breaks(
+                "angles are declared only while stopped",
+                self.state == State::Stopped,
+            )?,
+            Excite(_) => breaks("a homed arm is not excited", !after.homed)?,
+            Home => breaks(
+                "an arm that is to be homed does not count as homed",
+                !after.homed,
+            )?,
+            Arm | EmergencyStop => {}
+        }
+        // A crossing ends before the arm stops.
+        if matches!(request, Stop | Disarm) && after.state != State::Crossing {
+            self.moves = 0;
+        }
+        let gives_angles = matches!(request, SetAngles(_));
+        self.step(after, gives_angles)
+    }
+
+    fn breaks(
+        &self,
+        command: &HostCommand,
+        after: &Status,
+        rule: &'static str,
+        is_kept: bool,
+    ) -> Result<(), Broken> {
+        if is_kept {
+            return Ok(());
+        }
+        let found = format!("{command:?} in {:?} led to {:?}", self.state, after.state);
+        Err((rule, found))
     }
 
     /// An emergency stop was requested, whatever the number of its command: its fault is latched, or
