@@ -58,7 +58,11 @@ proptest! {
             let single = symmetric(crank as f32, coupler as f32);
             let pose = single.inverse(Vector2::new(c.x as f32, c.y as f32), mode).unwrap();
             let condition = single.jacobian(&pose).unwrap().inverse_condition();
-            prop_assert!((f64::from(condition) - expected).abs() < 2e-4, "{} for {}", condition, expected);
+            // Near 1 it depends on the root of what single precision rounds.
+            let condition = f64::from(condition);
+            let squares = (1.0 - condition).powi(2) - (1.0 - expected).powi(2);
+            let is_near = (condition - expected).abs() < 2e-4 || squares.abs() < 1e-6;
+            prop_assert!(is_near, "{} for {}", condition, expected);
         }
     }
 
