@@ -5,7 +5,9 @@ mod bench;
 use bench::{Bench, arm_at, robot};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{StreamMode, StreamPoint};
+use fivebar_firmware::planner::{StreamPhase, StreamReason};
+use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
 use fivebar_sim::drive::{Drive, Given};
 use fivebar_sim::streaming::{SetPoint, StreamOptions};
@@ -36,6 +38,19 @@ fn program(points: u32, mut at: impl FnMut(f64) -> [f64; 2]) -> impl FnMut() -> 
     }
 }
 
+/// The same, with a pause that is longer than the delay.
+fn with_pause(mut next: impl FnMut() -> Given) -> impl FnMut() -> Given {
+    let mut calls = 0;
+    move || {
+        calls += 1;
+        // Time passes at each call.
+        if (70..270).contains(&calls) {
+            return Given::Nothing;
+        }
+        next()
+    }
+}
+
 fn options(mode: StreamMode) -> StreamOptions {
     StreamOptions {
         mode,
@@ -45,7 +60,8 @@ fn options(mode: StreamMode) -> StreamOptions {
 }
 
 #[test]
-fn half_a_circle_and_the_way_back_are_followed_and_a_stream_beyond_reach_ends_at_rest() {
+fn half_a_circle_and_the_way_back_with_a_pause_are_followed_and_a_stream_beyond_reach_ends_at_rest()
+{
     let [x, y] = robot().best_point().expect("a point");
     let arm = arm_at([x as f32, y as f32], MILLISECOND);
     let mut driven = Bench::of(arm, Options::default(), Vec::new()).ready();
@@ -73,7 +89,7 @@ fn half_a_circle_and_the_way_back_are_followed_and_a_stream_beyond_reach_ends_at
     let followed = drive.follow_stream(
         &options(StreamMode::Joint),
         TICK_RATE,
-        &mut program(POINTS, back),
+        &mut with_pause(program(3 * POINTS, back)),
     );
     followed.expect("the way back");
     let status = driven.status();
@@ -93,4 +109,84 @@ fn half_a_circle_and_the_way_back_are_followed_and_a_stream_beyond_reach_ends_at
     assert_eq!((status.state, status.fault), (State::Armed, None));
     let [_, tool_y] = status.tool.expect("a position").map(f64::from);
     assert!(tool_y > y + 0.005 && tool_y < y + 0.25, "{tool_y} m");
+}
+
+#[test]
+fn points_that_cannot_be_followed_are_refused_with_their_reason_and_the_third_ends_the_stream() {
+    let [x, y] = robot().best_point().expect("a point");
+    for mistake in 0..8 {
+        let arm = arm_at([x as f32, y as f32], MILLISECOND);
+        let mut driven = Bench::of(arm, Options::default(), Vec::new()).ready();
+        driven.arm();
+        let config = options(StreamMode::Joint).config(7, TICK_RATE);
+        let begun = driven.client.command(HostCommand::BeginStream(config));
+        begun.expect("an answer").expect("a stream");
+        let status = driven.status();
+        let [theta1, theta4] = status.angle;
+        let right = StreamPoint {
+            id: 7,
+            due: status.tick + 400,
+            position: (theta1, theta4),
+            velocity: (0.0, 0.0),
+        };
+        let wrong = match mistake {
+            0 => StreamPoint {
+                velocity: (f32::NAN, 0.0),
+                ..right
+            },
+            1 => StreamPoint {
+                due: status.tick,
+                ..right
+            },
+            2 => StreamPoint {
+                due: status.tick + 5_000,
+                ..right
+            },
+            3 => StreamPoint {
+                position: (theta1 + 0.1, theta4),
+                ..right
+            },
+            4 => StreamPoint { id: 8, ..right },
+            5 => right,
+            6 => StreamPoint {
+                due: right.due + 900,
+                ..right
+            },
+            _ => StreamPoint {
+                due: right.due + 20,
+                position: (theta1 + 0.3, theta4),
+                ..right
+            },
+        };
+        if mistake > 4 {
+            driven.client.send_point(0, &right).expect("the line");
+            driven.run(5 * MILLISECOND);
+        }
+        for n in 1..=3 {
+            driven.client.send_point(n, &wrong).expect("the line");
+            driven.run(5 * MILLISECOND);
+        }
+        driven.status();
+        let states = core::iter::from_fn(|| driven.client.take_stream_state());
+        let last = states.last().expect("a state").progress;
+        let is_expected = match last.reason {
+            Some(StreamReason::Number) => mistake == 0,
+            Some(StreamReason::Late) => mistake == 1,
+            Some(StreamReason::Early) => mistake == 2,
+            Some(StreamReason::Away(_)) => mistake == 3,
+            None => mistake == 4,
+            Some(StreamReason::Order) => mistake == 5,
+            Some(StreamReason::Gap) => mistake == 6,
+            Some(StreamReason::Limit(_)) => mistake == 7,
+            _ => false,
+        };
+        assert!(is_expected, "{mistake}: {last:?}");
+        let has_ended = matches!(last.phase, StreamPhase::Ends | StreamPhase::Ended);
+        assert_eq!(
+            has_ended,
+            ![1, 3, 4].contains(&mistake),
+            "{mistake}: {last:?}"
+        );
+        assert_eq!(driven.status().fault, None);
+    }
 }
