@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import List, Optional, Type
+from typing import List, Optional, Tuple, Type
 
 from . import _native
 from ._errors import FivebarError
@@ -45,10 +45,16 @@ class Stream:
         """The joints are at these angles [rad] with these velocities [rad/s]; by default those of the points beside."""
         self._give(True, (theta1, theta4), (omega1, omega4))
 
-    def _give(self, joints: bool, position: object, velocity: object) -> None:
-        first, second = velocity  # type: ignore[misc]
+    def _give(
+        self,
+        joints: bool,
+        position: Tuple[float, float],
+        velocity: Tuple[Optional[float], Optional[float]],
+    ) -> None:
+        first, second = velocity
         if (first is None) != (second is None):
             raise FivebarError("a velocity has two components: give both or none")
+        rates = None if first is None or second is None else (first, second)
         if self._joints is None:
             self._connection.begin_stream(joints, self._rate, self._delay)
             self._joints = joints
@@ -56,7 +62,7 @@ class Stream:
             raise FivebarError("a stream has points of the tip or of the joints, not both")
         self._connection.stream_point(
             _floats("position", position),
-            None if first is None else _floats("velocity", velocity),
+            None if rates is None else _floats("velocity", rates),
         )
 
     def __enter__(self) -> Stream:
@@ -76,5 +82,5 @@ class Stream:
                 raise
 
 
-def _floats(name: str, values: object) -> List[float]:
+def _floats(name: str, values: Tuple[float, float]) -> List[float]:
     return [float(value) for value in pair(name, values)]
