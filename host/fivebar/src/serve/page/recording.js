@@ -45,8 +45,10 @@ export class Recording {
       }
       this.#isDown = level > 0;
     }
-    const { time, joints, tool, reference, tag } = state;
-    this.#states.push({ time, joints, tool, reference, tag, count: this.#points.length });
+    const { time, joints, tool, reference } = state;
+    // The last points come with a state that has no line any more.
+    const line = state.tag ?? this.#states.at(-1)?.line ?? null;
+    this.#states.push({ time, joints, tool, reference, line, count: this.#points.length });
   }
 
   // What was seen at the drawn point that is nearest to a place [m]; null if none is within `radius` [m].
@@ -55,7 +57,7 @@ export class Recording {
     if (index === null) return null;
     const state = this.#states[this.#firstState((it) => it.count > index)];
     const [error, speed] = this.#values[index];
-    return { error, speed, line: state.tag, since: state.time - this.#states[0].time };
+    return { error, speed, line: state.line, since: state.time - this.#states[0].time };
   }
 
   // The number of the first state of which this holds, as it does of all that follow; or of the last state.
