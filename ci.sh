@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs every check that must pass before a change is merged. CI runs this script too.
 #
-#   ./ci.sh            every step; works from a fresh clone on a fresh machine
+#   ./ci.sh            every step but those of `by_name`; works from a fresh clone on a fresh machine
 #   ./ci.sh tests      one step, or several, by name
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -60,9 +60,9 @@ package() {
     [[ $said == *"--features mcap"* ]] && [ ! -e "$folder/out" ] || { echo "package: without mcap: $said" >&2; return 1; }
     rm -rf "$folder"
 }
-# A sample, which runs only by name, and on CI as a job of its own: it compiles a copy of the sources.
+# A sample: it compiles a copy of the sources.
 mutants() { scripts/mutants.sh --sample; }
-# By name only: they install a toolchain or a tool.
+# They install a toolchain or a tool.
 msrv() { scripts/msrv.sh; }
 semver() { scripts/semver.sh || { [ $? -eq 77 ] && not_checked+=(semver); }; }
 peers() { scripts/peers.sh; }
@@ -96,10 +96,12 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet "${with_features[@]}" -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated fuzz package machine bring_up senders)
+all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated machine bring_up senders)
+# These compile nearly everything once more, in another way. A release needs them; a push takes them as jobs of their own.
+by_name=(fuzz package mutants msrv semver)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
 # build in folders of their own, or with the features of the other steps: the program in `target` is theirs.
-beside=(chip emulated emulated_senders fuzz package)
+beside=(chip emulated emulated_senders)
 # These come last and alone: they talk with an arm that moves in real time.
 alone=(machine bring_up senders)
 

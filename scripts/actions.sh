@@ -22,7 +22,7 @@ if [ -n "$movable" ]; then
 fi
 missing=()
 groups=" $(sed -n 's/^ *steps: \([a-z_ ]*\)$/\1/p' .github/workflows/ci.yml | tr '\n' ' ') "
-for step in $(sed -n 's/^all=(\(.*\))$/\1/p' ci.sh); do
+for step in $(sed -nE 's/^(all|by_name)=\((.*)\)$/\2/p' ci.sh); do
     [[ $groups == *" $step "* ]] || missing+=("$step")
 done
 if [ "${#missing[@]}" -gt 0 ]; then
