@@ -1,4 +1,4 @@
-//! Boards with an STM32F405 or F407, as data: the pin of each signal, the crystal, and the kinds of drive that a board's
+//! Boards with an STM32F405 or F407 of 1 MiB of flash, as data: the pin of each signal, the crystal, and the kinds of drive that a board's
 //! headers have no pins for.
 //!
 //! An image is built for one of them: `FIVEBAR_BOARD=NAME`, or the first one. The compiler refuses a board whose signals
