@@ -1,5 +1,5 @@
-//! Boards with an STM32F405 or F407 of 1 MiB of flash, as data: the pin of each signal, the crystal, and the kinds of drive that a board's
-//! headers have no pins for.
+//! Boards with an STM32F405 or F407 of 1 MiB of flash, as data: the pin of each signal, the crystal, and the kinds of
+//! drive that a board's headers have no pins for.
 //!
 //! An image is built for one of them: `FIVEBAR_BOARD=NAME`, or the first one. The compiler refuses a board whose signals
 //! share a pin, or of which one is at a pin where its peripheral does not have it.
