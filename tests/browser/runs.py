@@ -3,6 +3,7 @@
 import re
 import time
 
+import moving
 import reach
 from live import PAUSE
 from looks import COLOURED
@@ -31,8 +32,60 @@ def a_sheet_is_fitted_by_one_click(page):
     page.load_job(SHEET, "is refused")
     browser.click("#fit")
     browser.wait("the fitted sheet", lambda: "within the arm's limits" in browser.text("#job"))
-    width, height = map(float, re.findall(r"[\d.]+", browser.text("#size"))[:2])
-    assert max(width, height) > 100, browser.text("#size")
+    assert max(size(browser)) > 100, browser.text("#size")
+
+
+def size(browser):
+    return [float(part) for part in re.findall(r"[\d.]+", browser.text("#size"))[:2]]
+
+
+def field(browser, name):
+    return float(browser.script(f"return document.getElementById('place-{name}').value;"))
+
+
+def write(browser, name, value):
+    browser.script(f"const field = document.getElementById('place-{name}'); field.value = '{value}';"
+                   "field.dispatchEvent(new Event('change'));")
+
+
+def fields_and_corners_place_the_drawing(page):
+    browser = page.browser
+    page.load_job(ONE_STROKE, "within the arm's limits")
+    browser.wait("its size", lambda: size(browser) == [20.0, 20.0])
+    left, low = field(browser, "left"), field(browser, "low")
+    write(browser, "width", 30)
+    browser.wait("the wider drawing", lambda: size(browser) == [30.0, 30.0])
+    assert (field(browser, "left"), field(browser, "low")) == (left, low), "its lower left corner stays"
+    write(browser, "left", left + 4)
+    browser.wait("the moved drawing", lambda: abs(field(browser, "left") - left - 4) < 0.11)
+    write(browser, "turn", 45)
+    browser.wait("the turned drawing", lambda: abs(size(browser)[0] - 30 * 2 ** 0.5) < 0.2)
+    write(browser, "turn", -45)
+    browser.wait("the drawing", lambda: abs(size(browser)[0] - 30) < 0.2)
+    browser.click("#grab")
+    corner = page.pixel("corner")
+    pivot = [field(browser, "left"), field(browser, "low")]
+    scale = 1.2
+    span = 30 * abs(moving.pixel_of(page, [1, 0]) - moving.pixel_of(page, [0, 0]))
+    browser.drag("#arm", corner, [corner[0] + (scale - 1) * span, corner[1] - (scale - 1) * span])
+    browser.wait("the larger drawing", lambda: abs(size(browser)[0] - scale * 30) < 0.5)
+    assert abs(field(browser, "left") - pivot[0]) < 0.11 and abs(field(browser, "low") - pivot[1]) < 0.11, "the opposite corner stays"
+    browser.click("#grab")
+
+
+def the_tool_goes_around_the_drawing(page):
+    browser = page.browser
+    corners = {(field(browser, "left") + x * field(browser, "width"), field(browser, "low") + y * field(browser, "height"))
+               for x in (0, 1) for y in (0, 1)}
+    page.wait_for_rest()
+    page.ask("#frame")
+    page.wait_for("Running")
+    def passed():
+        at = page.tool()
+        corners.difference_update([it for it in corners if abs(it[0] - at[0]) < 2 and abs(it[1] - at[1]) < 2])
+        return not corners
+    browser.wait("each corner", passed)
+    page.wait_for("Armed")
 
 
 # What the page says under each pixel of a grid over the drawing, once for each text.
@@ -108,5 +161,7 @@ def check(page):
     page.home_and_arm_if_needed()
     the_layers_are_listed(page)
     a_sheet_is_fitted_by_one_click(page)
+    fields_and_corners_place_the_drawing(page)
+    the_tool_goes_around_the_drawing(page)
     strokes_have_the_colour_of_their_error_or_speed(page)
     the_last_run_is_shown_again_until_the_arm_moves(page)

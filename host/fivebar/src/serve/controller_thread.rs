@@ -80,6 +80,8 @@ pub(super) struct LoadedJob {
     pub(super) start: JobStart,
     /// Why it cannot be done from there.
     pub(super) refusal: Option<String>,
+    /// The lower left and the upper right corner of what it draws [m]; none if it draws nothing.
+    pub(super) drawn_box: Option<[[f32; 2]; 2]>,
 }
 
 impl ControllerThread {

@@ -74,7 +74,7 @@ impl ControllerThread {
     }
 
     /// Whether the arm is at rest and takes moves.
-    fn is_ready(&self) -> Result<(), Refused> {
+    pub(super) fn is_ready(&self) -> Result<(), Refused> {
         if !self.rests() {
             return Err("The arm is moving: stop it or wait until it rests.".into());
         }
@@ -167,7 +167,7 @@ impl ControllerThread {
 
     /// The motion to a place of the job [m] with the tool up: straight, or by the joints if a straight
     /// line would leave the workspace.
-    fn approach_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
+    pub(super) fn approach_to(&self, place: [f32; 2]) -> Result<Option<MoveKind>, Refused> {
         let start = self.preview.start(&self.session.status);
         let (Some(from), Some(branch)) = (self.session.status.reference, start.branch) else {
             return Err("The arm is not armed: home it, then arm it.".into());
@@ -212,6 +212,7 @@ impl ControllerThread {
                 job,
                 start,
                 refusal,
+                drawn_box,
                 message,
                 again,
             } => {
@@ -219,6 +220,7 @@ impl ControllerThread {
                     job,
                     start,
                     refusal,
+                    drawn_box,
                 });
                 self.updates.send_job(message);
                 (start, again)

@@ -2,6 +2,7 @@
 
 use super::parsed_job::ParsedJob;
 use super::preview::{Branch, JobStart, Preview};
+use super::strokes::drawn_box;
 use super::wire::lease::PageId;
 use super::wire::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
 use super::wire::numbered::NumberedRequest;
@@ -63,6 +64,8 @@ pub(super) enum Prepared {
         start: JobStart,
         /// Why it cannot be done from there.
         refusal: Option<String>,
+        /// The corners of what it draws, as in a `LoadedJob`.
+        drawn_box: Option<[[f32; 2]; 2]>,
         /// The message to the pages.
         message: Utf8Bytes,
         /// Whether the job was read earlier and only checked now.
@@ -294,6 +297,7 @@ impl Workshop {
         let prepared = Prepared::Job {
             message: ServerMessage::Job(&message).json(),
             refusal: message.refusal.clone(),
+            drawn_box: drawn_box(&message.strokes),
             job: Arc::clone(&job),
             start,
             again,

@@ -43,6 +43,7 @@ pub(super) mod commission;
 mod console;
 mod controller_thread;
 mod error;
+mod frame;
 mod frame_meter;
 mod guard;
 mod held_motion;

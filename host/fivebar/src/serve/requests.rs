@@ -82,6 +82,7 @@ impl ClientRequest {
             | Self::Pen(_)
             | Self::Mode(_)
             | Self::Console(_)
+            | Self::Frame
             | Self::Run
             | Self::RunFrom(_)
             | Self::Resume => true,
@@ -229,6 +230,7 @@ impl ControllerThread {
             ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
             ClientRequest::Place(shift) => self.place_job(|job| Work::Place(job, shift)),
             ClientRequest::Fit => self.place_job(Work::Fit),
+            ClientRequest::Frame => self.go_around(),
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
             ClientRequest::Resume => self.resume_job(page),

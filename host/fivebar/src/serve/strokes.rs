@@ -90,6 +90,19 @@ impl Strokes {
 
 /// Drops points nearer than `spacing` to the one kept before them; keeps both ends. Returns
 /// whether the stroke leaves a circle of that radius about its start.
+/// The lower left and the upper right corner of what strokes draw [m]; none if the pen is up in all of them.
+pub(super) fn drawn_box(strokes: &[Stroke]) -> Option<[[f32; 2]; 2]> {
+    let drawn = strokes.iter().filter(|stroke| stroke.down);
+    let points = drawn.flat_map(|stroke| &stroke.points);
+    points.fold(None, |corners, &point| {
+        let [least, greatest] = corners.unwrap_or([point; 2]);
+        let by_axis = |pick: fn(f32, f32) -> f32, corner: [f32; 2]| {
+            [pick(corner[0], point[0]), pick(corner[1], point[1])]
+        };
+        Some([by_axis(f32::min, least), by_axis(f32::max, greatest)])
+    })
+}
+
 fn thin(points: &mut Vec<[f32; 2]>, spacing: f32) -> bool {
     let Some((&first, &end)) = points.first().zip(points.last()) else {
         return false;

@@ -2,14 +2,12 @@
 
 use crate::in_process::{Page, Server};
 use crate::state::{number, speed, time};
-use fivebar_files::robot::Robot;
-use fivebar_files::scenario::{Kept, Scenario};
 use serde_json::{Value, json};
 
-/// Strokes to and fro for about four seconds, one on each line from 3 to 6.
-/// Loads four strokes, and waits for the last message that comes of it. A job's message comes when the job is checked and
+/// Loads four strokes to and fro of about four seconds, one on each line from 3 to 6, and waits for the last message that
+/// comes of it. A job's message comes when the job is checked and
 /// again when its time is planned; a page that reads late gets only the second.
-fn load(page: &mut Page) {
+pub(crate) fn load(page: &mut Page) {
     let text = format!("G21 G90 F3000\nM3\n{}", "G1 X40\nG1 X0\n".repeat(2));
     page.accepted(&json!({ "load": { "name": "strokes", "text": text } }));
     page.wait("the job", |message| message["job"]["time"].as_f64());
@@ -22,7 +20,7 @@ fn run(page: &mut Page) {
     });
 }
 
-fn notice(page: &mut Page, words: &str) {
+pub(crate) fn notice(page: &mut Page, words: &str) {
     page.wait(words, |message| {
         let text = message.get("notice")?.get("text")?.as_str()?;
         text.contains(words).then_some(())
@@ -209,42 +207,6 @@ fn the_time_of_a_job_and_the_time_left_are_those_of_its_run() {
     );
 }
 
-/// Least and greatest x and y of what a job draws [m], once its time is known.
-fn box_of(message: &Value) -> Option<[f64; 4]> {
-    message["job"]["time"].as_f64()?;
-    let strokes = message["job"]["strokes"].as_array()?;
-    let down = strokes.iter().filter(|stroke| stroke["down"] == true);
-    let points = down.flat_map(|stroke| stroke["points"].as_array().expect("points"));
-    let at = |axis: usize| points.clone().map(move |point| number(&point[axis]));
-    let least = |axis| at(axis).fold(f64::MAX, f64::min);
-    let most = |axis| at(axis).fold(f64::MIN, f64::max);
-    Some([least(0), least(1), most(0), most(1)])
-}
-
-#[test]
-fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
-    let server = Server::start();
-    let mut page = server.page();
-    page.take_control_and_arm();
-    load(&mut page);
-    let place = json!({ "about": [0.04, 0.17], "by": [0.0, 0.0], "scale": 1.0, "turn": 0.0 });
-    page.accepted(&json!({ "place": place }));
-    let before @ [left, low, right, _] = page.wait("the same", box_of);
-    let middle = [0.5 * (left + right), low];
-    let turn = std::f64::consts::FRAC_PI_2;
-    let place = json!({ "about": middle, "by": [0.01, 0.0], "scale": 0.5, "turn": turn });
-    page.accepted(&json!({ "place": place }));
-    let [left, low, right, high] = page.wait("the new place", box_of);
-    assert_ne!([left, low, right, high], before);
-    assert!((left - right).abs() < 1e-6 && (left - middle[0] - 0.01).abs() < 1e-6);
-    assert!((high - low - 0.02).abs() < 1e-6 && (0.5 * (high + low) - middle[1]).abs() < 1e-6);
-    let away = json!({ "about": middle, "by": [0.5, 0.0], "scale": 1.0, "turn": 0.0 });
-    page.accepted(&json!({ "place": away }));
-    page.wait("a refusal", |message| {
-        message["job"]["refusal"].as_str().map(str::to_owned)
-    });
-}
-
 #[test]
 fn the_working_mode_changes_through_a_stretched_leg_and_back() {
     let server = Server::start();
@@ -344,82 +306,4 @@ fn an_arm_without_a_pen_or_without_power_refuses_to_put_one_down() {
     page.take_control_and_arm();
     page.send(&json!({ "pen": "down" }));
     notice(&mut page, "The arm has no pen");
-}
-
-/// The outline of a sheet of A4, upright.
-const SHEET: &str = "G21 G90 F3000\nM3\nG1 X210\nG1 Y297\nG1 X0\nG1 Y0\nM5\n";
-
-#[test]
-fn a_drawing_that_is_too_large_is_fitted_by_one_request_as_the_command_line_fits_it() {
-    let server = Server::start();
-    let mut page = server.page();
-    page.take_control_and_arm();
-    page.accepted(&json!({ "load": { "name": "sheet", "text": SHEET } }));
-    page.wait("a refusal", |message| {
-        message["job"]["refusal"].as_str().map(str::to_owned)
-    });
-    page.accepted(&json!("fit"));
-    let drawn = page.wait("the fitted sheet", box_of);
-    let robot = Robot::load("benchtop").expect("a robot");
-    let mut scenario = Scenario::new("sheet", robot, "sheet.gcode", SHEET.into());
-    let free = Kept {
-        scale: false,
-        turn: false,
-    };
-    scenario.fit_to_reach(free).expect("a place");
-    let (sin, cos) = scenario.turn.sin_cos();
-    let size = [[0.21, 0.297], [0.297, 0.21]]
-        .map(|[along, across]| scenario.scale * (along * cos.abs() + across * sin.abs()));
-    for axis in 0..2 {
-        let own = drawn[axis + 2] - drawn[axis];
-        assert!((own - size[axis]).abs() < 1e-4, "{drawn:?} {size:?}");
-    }
-    assert!(size[0].max(size[1]) > 0.1, "{size:?}");
-}
-
-#[test]
-fn a_job_loaded_before_homing_is_drawn_timed_and_checked_from_home_and_again_once_homed() {
-    let server = Server::start();
-    let mut watcher = server.page();
-    let mut page = server.page();
-    page.send(&json!("control"));
-    let text = "G21 G90 F3000\nM3\nG1 X40\nG1 X0\n";
-    page.accepted(&json!({ "load": { "name": "strokes", "text": text } }));
-    let whole = |message: &Value| {
-        let job = message.get("job").filter(|job| job["time"].is_number())?;
-        Some((
-            job["is_from_home"] == true,
-            job["refusal"].clone(),
-            box_of(message)?,
-        ))
-    };
-    let (is_from_home, refusal, at_home) = page.wait("the job", whole);
-    assert!(is_from_home && refusal.is_null(), "{refusal}");
-    assert!((at_home[2] - at_home[0] - 0.04).abs() < 1e-6, "{at_home:?}");
-    page.accepted(&json!({ "load": { "name": "sheet", "text": SHEET } }));
-    let refused = page.wait("a refusal", |message| {
-        let job = message
-            .get("job")
-            .filter(|job| job["refusal"].is_string())?;
-        Some((
-            job["is_from_home"] == true,
-            job["strokes"].as_array()?.len(),
-        ))
-    });
-    assert!(refused.0 && refused.1 > 0, "{refused:?}");
-    page.accepted(&json!({ "load": { "name": "strokes", "text": text } }));
-    page.wait("the job", whole);
-    page.take_control_and_arm();
-    let (is_from_home, refusal, drawn) = watcher.wait("the job, homed", |message| {
-        whole(message).filter(|(is_from_home, ..)| !is_from_home)
-    });
-    assert!(!is_from_home && refusal.is_null(), "{refusal}");
-    assert!(
-        (0..4).all(|it| (drawn[it] - at_home[it]).abs() < 1e-3),
-        "{drawn:?} {at_home:?}"
-    );
-    page.send(&json!("run"));
-    page.state("full speed", |state| {
-        state["state"] == "Running" && speed(state) > 0.1
-    });
 }

@@ -12,6 +12,7 @@ import { Inspect } from "./inspect.js";
 import { listen } from "./keys.js";
 import { WorkspaceMap } from "./map.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
+import { PlacementFields } from "./placement.js";
 import { Plot } from "./plots.js";
 import { LABELS, Recording } from "./recording.js";
 import { Replay } from "./replay.js";
@@ -43,6 +44,7 @@ const drives = new Drives(arm.drives);
 const recording = new Recording();
 const replay = new Replay(recording, drawing, redraw);
 new Inspect(at("arm"), drawing, recording, at("under"));
+const placement = new PlacementFields(place);
 let me = null; // this page's number
 let elbows = null; // the sides of the arm's elbows
 let chosen = null; // the branch whose map is shown
@@ -86,6 +88,7 @@ function receive(message) {
       }
     }
     showJob(message.job, drawing.jobBox);
+    placement.show(drawing.jobBox);
     showControls();
     redraw();
   }
@@ -150,7 +153,7 @@ function nameOf(control) {
 }
 
 // The controls that move the arm, or power its motors.
-const MOVING = ["home", "arm", "clear_fault", "control", "run", "run-from", "resume", "jog", "pen", "change", "send"];
+const MOVING = ["home", "arm", "clear_fault", "control", "frame", "run", "run-from", "resume", "jog", "pen", "change", "send"];
 const controls = [...document.querySelectorAll("#panel button:not([data-mode])")];
 const modes = [...document.querySelectorAll("[data-mode]")];
 const controlOf = (name) => document.querySelector(`[data-request="${name}"]`) ?? at(name);
@@ -300,11 +303,8 @@ const terminal = new Console((line) => {
 });
 
 // Moves the drawing, and scales and turns it about its middle.
-function place([x, y], scale, degrees) {
-  const box = drawing.jobBox;
-  if (!box) return;
-  const about = [0, 1].map((axis) => (box[axis] + box[axis + 2]) / 2);
-  send({ place: { about, by: [x, y], scale, turn: degrees * DEGREE } });
+function place(about, by, scale, degrees) {
+  send({ place: { about, by, scale, turn: degrees * DEGREE } });
 }
 
 const load = (name, text) => send({ load: { name, text } });
@@ -312,7 +312,7 @@ const load = (name, text) => send({ load: { name, text } });
 function setGrab(on) {
   drawing.grabs = on;
   at("grab").setAttribute("aria-pressed", on);
-  if (on) showNotice("Drag the drawing, or use the buttons beside “Move drawing”.");
+  if (on) showNotice("Drag the drawing, or a corner to scale it; or use the buttons and fields below “Move drawing”.");
 }
 
 const ACTIONS = {
@@ -329,6 +329,7 @@ const ACTIONS = {
     showNotice("The greatest scale is searched for …");
   },
   grab: () => setGrab(!drawing.grabs),
+  frame: () => send("frame"),
   demonstration: async () => {
     const answer = await fetch("demonstration.gcode");
     load("the demonstration", await answer.text());
@@ -361,7 +362,7 @@ function act(button, event) {
   else if (pen) send({ pen });
   else if (where) {
     const [x, y, scale, degrees] = where.split(",").map(Number);
-    place([x * SHIFT, y * SHIFT], scale, degrees);
+    if (drawing.jobMiddle) place(drawing.jobMiddle, [x * SHIFT, y * SHIFT], scale, degrees);
   } else ACTIONS[button.id]?.();
 }
 
@@ -422,7 +423,7 @@ const muteKeys = listen(
 drag.onStart = () => showNotice("");
 drag.onFollow = (point) => connection.send({ follow: point });
 drag.onTurn = (joint, angle) => connection.send({ turn: { joint, to: angle } });
-drag.onPlace = (by) => place(by, 1, 0);
+drag.onPlace = ({ about, by, scale }) => place(about, by, scale, 0);
 drag.onView = redraw;
 
 at("name").textContent = arm.name;

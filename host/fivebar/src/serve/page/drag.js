@@ -1,4 +1,5 @@
-// Drags the tool, an elbow, the drawing or the view with one pointer; zooms with two or the wheel.
+// Drags the tool, an elbow, the drawing, one of its corners or the view with one pointer; zooms with two or the wheel.
+import { UNMOVED } from "./drawing.js";
 
 const GRAB_RADIUS = 28; // px around the tool or an elbow
 const INTERVAL = 40; // ms between two targets of a drag
@@ -6,7 +7,8 @@ const INTERVAL = 40; // ms between two targets of a drag
 export class DragHandler {
   #canvas;
   #drawing;
-  #held = null; // "tool", "theta1", "theta4", "job" or "view"
+  #held = null; // "tool", "theta1", "theta4", "job", "corner" or "view"
+  #pivot = null; // the corner opposite to the one that is dragged [m]
   #sent = 0; // ms
   #from = null; // where the drag of drawing or view began [m], [px]
   #pointers = new Map(); // pixels of the pointers that are down
@@ -49,7 +51,13 @@ export class DragHandler {
       .map(([name, point]) => ({ name, distance: drawing.distance(point, position) }))
       .filter(({ distance }) => distance <= GRAB_RADIUS)
       .sort((one, other) => one.distance - other.distance);
-    if (drawing.grabs && drawing.isInJob(position)) return "job";
+    if (drawing.grabs) {
+      const corners = drawing.jobCorners;
+      const corner = corners.findIndex((corner) => drawing.distance(corner, position) <= GRAB_RADIUS / 2);
+      this.#pivot = corners[(corner + 2) % 4] ?? null;
+      if (corner >= 0) return "corner";
+      if (drawing.isInJob(position)) return "job";
+    }
     return candidates[0]?.name ?? "view";
   }
 
@@ -85,7 +93,14 @@ export class DragHandler {
     }
     const [x, y] = drawing.position(event);
     if (this.#held === "job") {
-      drawing.shift = [x - this.#from[0], y - this.#from[1]];
+      drawing.placed = { ...UNMOVED, by: [x - this.#from[0], y - this.#from[1]] };
+      this.onView();
+      return;
+    }
+    if (this.#held === "corner") {
+      const apart = ([u, v]) => Math.hypot(u - this.#pivot[0], v - this.#pivot[1]);
+      const scale = Math.max(0.02, apart([x, y]) / Math.max(1e-6, apart(this.#from)));
+      drawing.placed = { ...UNMOVED, about: this.#pivot, scale };
       this.onView();
       return;
     }
@@ -98,18 +113,18 @@ export class DragHandler {
 
   // Lets go of the arm, after a stop.
   releaseArm() {
-    if (this.#held !== "view" && this.#held !== "job") this.#release();
+    if (!["view", "job", "corner"].includes(this.#held)) this.#release();
   }
 
   #release() {
     this.#held = null;
     this.#drawing.target = null;
-    this.#drawing.shift = [0, 0];
+    this.#drawing.placed = UNMOVED;
   }
 
   #finish(event) {
     this.#move(event, true);
-    if (this.#held === "job") this.onPlace(this.#drawing.shift);
+    if (this.#held === "job" || this.#held === "corner") this.onPlace(this.#drawing.placed);
     this.#cancel(event);
   }
 

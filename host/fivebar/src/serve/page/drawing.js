@@ -6,6 +6,8 @@ import { kindOf, stepsOf } from "./recording.js";
 const DRAWN = 200000; // samples of strokes
 const TRAVELLED = 250; // samples of the path with the pen up
 const ZOOMS = [0.5, 60];
+export const UNMOVED = { about: [0, 0], by: [0, 0], scale: 1 }; // the point that stays when scaled, and the motion [m]
+const CORNER = 5; // px from the middle of a corner's handle to its sides
 const BARS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // m
 
 export class Drawing {
@@ -25,7 +27,7 @@ export class Drawing {
   colouring = "pen"; // what the colour of strokes shows: "pen", "error" or "speed"
   replay = null; // what is shown of the last run, in place of the arm as it is
   jobBox = null; // lower left and upper right corner of what the job draws [m]
-  shift = [0, 0]; // of the drawing while it is dragged [m]
+  placed = UNMOVED; // how the drawing is placed anew while it is dragged
   grabs = false; // whether a drag moves the drawing
   target = null; // where the pointer drags [m]
 
@@ -64,6 +66,19 @@ export class Drawing {
     this.jobBox = box[0] <= box[2] ? box : null;
   }
 
+  // The middle of what the job draws [m].
+  get jobMiddle() {
+    const box = this.jobBox;
+    return box && [0, 1].map((axis) => (box[axis] + box[axis + 2]) / 2);
+  }
+
+  // The corners of what the job draws [m], each opposite to the one two places on; none if it draws nothing.
+  get jobCorners() {
+    if (!this.jobBox) return [];
+    const [left, low, right, high] = this.jobBox;
+    return [[left, low], [right, low], [right, high], [left, high]];
+  }
+
   // What can be dragged, by name; null until the arm is homed.
   get handles() {
     const state = this.#state;
@@ -77,6 +92,7 @@ export class Drawing {
     for (const [name, point] of Object.entries(this.handles ?? {})) {
       this.#canvas.dataset[name] = this.pixel(point);
     }
+    if (this.jobBox) this.#canvas.dataset.corner = this.pixel(this.jobCorners[2]);
     if (!state.tool) return;
     for (const [x, y, level, error, speed] of state.trail) this.#follow([x, y], level > 0, kindOf(error, speed));
     if (this.#drawn.length > DRAWN) {
@@ -225,17 +241,25 @@ export class Drawing {
       layer.lineDashOffset = offset;
       this.#path.stroke(layer, view, first, last, (other) => (other === kind ? ink : null));
     });
-    const [x, y] = this.shift;
+    const { about, by, scale } = this.placed;
+    const [x, y] = this.pixel(about);
     context.save();
-    context.translate(view.scale * x, -view.scale * y);
+    context.translate(x + view.scale * by[0], y - view.scale * by[1]);
+    context.scale(scale, scale);
+    context.translate(-x, -y);
     const isWhole = this.#layers.job.draw(context, view, `${this.#paths} ${path}`, passes.length * length, paint);
     context.restore();
     if (this.job?.at) this.#cross(this.job.at);
     if (this.grabs && this.jobBox) {
-      const [x0, y0, x1, y1] = this.jobBox;
+      const corners = this.jobCorners.map((corner) => corner.map((u, axis) => about[axis] + scale * (u - about[axis]) + by[axis]));
       context.setLineDash([6, 4]);
-      this.#line([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]].map(([u, v]) => [u + x, v + y]), "--one", 2);
+      this.#line([...corners, corners[0]], "--one", 2);
       context.setLineDash([]);
+      context.fillStyle = colour("--one");
+      for (const corner of corners) {
+        const [u, v] = this.pixel(corner);
+        context.fillRect(u - CORNER, v - CORNER, 2 * CORNER, 2 * CORNER);
+      }
     }
     return isWhole;
   }

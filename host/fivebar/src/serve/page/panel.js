@@ -61,6 +61,7 @@ export function whyNot(control, state, job) {
       if (!job) return "no job is loaded";
       if (job.refusal && homed) return `The job cannot be done. ${job.refusal}`;
       return armed ? null : "the motors are off";
+    case "frame": return isJob ? "a job runs" : !job?.moves ? "no job is loaded" : armed ? null : "the motors are off";
     case "place": return isJob ? "a job runs" : job?.moves ? null : "no job is loaded";
     default: return null;
   }

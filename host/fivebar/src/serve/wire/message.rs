@@ -72,6 +72,8 @@ pub(in crate::serve) enum ClientRequest {
     Place(Shift),
     /// Place the drawing of the loaded file where the arm can draw it largest, turned as it fits best.
     Fit,
+    /// Move the tool, lifted, along the rectangle around what the loaded job draws.
+    Frame,
     /// Run the loaded job.
     Run,
     /// Run it from this line on.
@@ -317,7 +319,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 19];
+        let mut seen = [false; 20];
         for example in examples.lines() {
             let read: NumberedRequest = serde_json::from_str(example).expect(example);
             let kind = match read.request {
@@ -340,10 +342,11 @@ mod tests {
                 ClientRequest::Hold(_) | ClientRequest::HoldJoint { .. } => 15,
                 ClientRequest::Renew(_) => 17,
                 ClientRequest::Fit => 18,
+                ClientRequest::Frame => 19,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 19]);
+        assert_eq!(seen, [true; 20]);
     }
 
     #[test]
