@@ -59,8 +59,8 @@ def fields_and_corners_place_the_drawing(page):
     write(browser, "left", left + 4)
     browser.wait("the moved drawing", lambda: abs(field(browser, "left") - left - 4) < 0.11)
     write(browser, "turn", 45)
-    browser.wait("the turned drawing", lambda: abs(size(browser)[0] - 30 * 2 ** 0.5) < 0.2)
-    write(browser, "turn", -45)
+    browser.wait("the turned drawing", lambda: abs(size(browser)[0] - 30 * 2 ** 0.5) < 0.2 and field(browser, "turn") == 45)
+    write(browser, "turn", 0)
     browser.wait("the drawing", lambda: abs(size(browser)[0] - 30) < 0.2)
     browser.click("#grab")
     corner = page.pixel("corner")
@@ -71,6 +71,19 @@ def fields_and_corners_place_the_drawing(page):
     browser.wait("the larger drawing", lambda: abs(size(browser)[0] - scale * 30) < 0.5)
     assert abs(field(browser, "left") - pivot[0]) < 0.11 and abs(field(browser, "low") - pivot[1]) < 0.11, "the opposite corner stays"
     browser.click("#grab")
+
+
+def a_speed_is_chosen_and_left_to_the_file_again(page):
+    browser = page.browser
+    def seconds():
+        found = re.search(r"([\d.]+) s$", browser.text("#size"))
+        return float(found[1]) if found else 0
+    before = browser.wait("its time", seconds)
+    choose = "const field = document.getElementById('read-speed'); field.value = '{}'; field.dispatchEvent(new Event('change'));"
+    browser.script(choose.format(5))
+    browser.wait("the slow drawing", lambda: seconds() > 3 * before)
+    browser.script(choose.format(""))
+    browser.wait("the file's speed", lambda: 0 < seconds() < 1.1 * before)
 
 
 def the_tool_goes_around_the_drawing(page):
@@ -162,6 +175,7 @@ def check(page):
     the_layers_are_listed(page)
     a_sheet_is_fitted_by_one_click(page)
     fields_and_corners_place_the_drawing(page)
+    a_speed_is_chosen_and_left_to_the_file_again(page)
     the_tool_goes_around_the_drawing(page)
     strokes_have_the_colour_of_their_error_or_speed(page)
     the_last_run_is_shown_again_until_the_arm_moves(page)

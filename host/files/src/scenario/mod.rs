@@ -201,8 +201,8 @@ impl Scenario {
     }
 }
 
-/// The middle of what a job draws, or of all its motions if the pen is never down [m].
-fn middle(job: &Job) -> [f64; 2] {
+/// The middle of what a job draws, or of all its motions if the pen is never down [m]; of an arc its end counts.
+pub fn middle(job: &Job) -> [f64; 2] {
     let bounds = |drawn: bool| {
         job.steps
             .iter()

@@ -1,7 +1,7 @@
 //! A tour around a drawing with the pen up: it shows where on the paper the drawing will lie.
 
 use super::controller_thread::ControllerThread;
-use super::parsed_job::ParsedJob;
+use super::parsed_job::{ParsedJob, Size};
 use super::requests::Refused;
 use fivebar_files::job::Job;
 use fivebar_firmware::{Move, MoveKind};
@@ -39,7 +39,7 @@ impl ControllerThread {
             from = to;
         }
         let approach = self.approach_to(first)?;
-        let around = ParsedJob::new(name, Arc::from(""), Job::default(), moves);
+        let around = ParsedJob::new(name, Arc::from(""), (Job::default(), Size::TRUE), moves);
         self.feeder.run(Arc::new(around), 0, approach);
         self.notice("The lifted tool goes around the drawing.");
         Ok(())

@@ -8,6 +8,7 @@ use super::preview::{JobStart, nearest};
 use super::requests::{JOINT_SPEED, Refused};
 use super::wire::lease::Page;
 use super::wire::lease::PageId;
+use super::wire::message::Reading;
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_sim::path_queue::way_back;
 use std::sync::Arc;
@@ -45,6 +46,29 @@ impl ControllerThread {
         let start = self.preview.start(&self.session.status);
         self.jobs.order(anew(job), start);
         Ok(())
+    }
+
+    /// Has the loaded file read again, and later ones, in another way.
+    pub(super) fn read_again(&mut self, reading: Reading) -> Result<(), Refused> {
+        let is_in = |value: Option<f64>, least: f64, most: f64| {
+            value.is_none_or(|value| (least..=most).contains(&value))
+        };
+        if !is_in(reading.hatch, 1e-4, 0.05) {
+            return Err("The lines of a hatch must be 0.1 to 50 mm apart.".into());
+        }
+        if !is_in(reading.speed, 1e-5, 100.0) {
+            return Err("The speed must be 0.01 to 100,000 mm/s.".into());
+        }
+        if !is_in(reading.pen_height, -1.0, 1.0) {
+            return Err("The pen's height must be -1000 to 1000 mm.".into());
+        }
+        if self.loaded.is_none() {
+            self.jobs.reading = reading;
+            return Ok(());
+        }
+        let before = std::mem::replace(&mut self.jobs.reading, reading);
+        self.place_job(Work::Read)
+            .inspect_err(|_| self.jobs.reading = before)
     }
 
     /// Has the loaded job checked from the tool's present position.

@@ -1,14 +1,14 @@
 //! The thread that reads and checks jobs, so that the controller's thread waits for none.
 
-use super::parsed_job::ParsedJob;
+use super::parsed_job::{ParsedJob, Size};
 use super::preview::{Branch, JobStart, Preview};
 use super::strokes::drawn_box;
 use super::wire::lease::PageId;
-use super::wire::message::{ClientRequest, JobMessage, ServerMessage, Shift, brief};
+use super::wire::message::{ClientRequest, JobMessage, Reading, ServerMessage, Shift, brief};
 use super::wire::numbered::NumberedRequest;
-use fivebar_files::job::{Job, JobReader, Placement};
+use fivebar_files::job::{Job, JobOptions, JobReader, Placement};
 use fivebar_files::robot::Robot;
-use fivebar_files::scenario::{Kept, Scenario};
+use fivebar_files::scenario::{Kept, Scenario, middle};
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -37,6 +37,8 @@ impl Shift {
 pub(super) enum Work {
     /// Read a job and check it.
     Load(PageId, JobSource),
+    /// Read the file of a job again, at the same place, and check it.
+    Read(Arc<ParsedJob>),
     /// Place a job elsewhere and check it.
     Place(Arc<ParsedJob>, Shift),
     /// Place a job where the arm can draw it largest, and check it.
@@ -95,8 +97,8 @@ pub(super) enum Prepared {
 /// A job that can be done, and its message to the pages.
 type Untimed = (Arc<ParsedJob>, JobMessage);
 
-/// Work, its number, and where a job would begin.
-type Order = (u64, Work, JobStart);
+/// Work, its number, where a job would begin, and how its file is read.
+type Order = (u64, Work, JobStart, Reading);
 
 /// The thread's one place for work: a later order replaces one that has not begun.
 #[derive(Default)]
@@ -112,6 +114,8 @@ pub(super) struct JobThread {
     /// The number of the last order.
     last: u64,
     busy: bool,
+    /// How files are read.
+    pub(super) reading: Reading,
     /// Whether jobs run as time-optimal motions.
     pub(super) is_time_optimal: bool,
 }
@@ -123,6 +127,8 @@ struct Workshop {
     reader: JobReader,
     /// The planner of time-optimal motion; none: the controller plans.
     planner: Option<JobPlanner>,
+    /// How files are read.
+    reading: Reading,
 }
 
 impl JobThread {
@@ -133,17 +139,19 @@ impl JobThread {
         planner: Option<JobPlanner>,
     ) -> Self {
         let is_time_optimal = planner.is_some();
-        let workshop = Workshop {
+        let mut workshop = Workshop {
             robot,
             preview,
             reader,
             planner,
+            reading: Reading::default(),
         };
         let place = Arc::new(Place::default());
         let (sender, results) = mpsc::channel();
         let orders = Arc::clone(&place);
         thread::spawn(move || {
-            while let Some((number, work, start)) = orders.wait() {
+            while let Some((number, work, start, reading)) = orders.wait() {
+                workshop.reading = reading;
                 let (prepared, untimed) = workshop.prepare(work, start);
                 if sender.send((number, prepared)).is_err() {
                     return;
@@ -165,6 +173,7 @@ impl JobThread {
             results,
             last: 0,
             busy: false,
+            reading: Reading::default(),
             is_time_optimal,
         }
     }
@@ -180,7 +189,7 @@ impl JobThread {
         self.busy = true;
         let replaced = {
             let mut place = self.place.lock();
-            place.0.replace((self.last, work, start))
+            place.0.replace((self.last, work, start, self.reading))
         };
         drop(replaced);
         self.place.changed.notify_one();
@@ -238,7 +247,7 @@ impl Workshop {
     fn prepare(&self, work: Work, start: JobStart) -> (Prepared, Option<Untimed>) {
         let again = matches!(work, Work::Check(_));
         let mut refusal = None;
-        let mut parsed = |old: &Arc<ParsedJob>, job: Result<Job, String>| {
+        let mut parsed = |old: &Arc<ParsedJob>, job: Result<(Job, Size), String>| {
             let parsed = |job| self.parsed(&old.name, Arc::clone(&old.text), job, start);
             match job.and_then(parsed) {
                 Ok(job) => Arc::new(job),
@@ -251,10 +260,18 @@ impl Workshop {
         let job = match work {
             // The moves of a change of the working mode depend on where the arm is.
             Work::Check(job) if job.job.first_change_of_mode().is_some() => {
-                parsed(&job, Ok((*job.job).clone()))
+                parsed(&job, Ok(((*job.job).clone(), job.size)))
             }
             Work::Check(job) => job,
-            Work::Place(job, shift) => parsed(&job, Ok(job.job.moved(&shift.placement()))),
+            Work::Place(job, shift) => {
+                let placement = shift.placement();
+                let size = Size {
+                    scale: job.size.scale * placement.scale,
+                    turn: job.size.turn + placement.turn,
+                };
+                parsed(&job, Ok((job.job.moved(&placement), size)))
+            }
+            Work::Read(job) => parsed(&job, self.read_again(&job)),
             Work::Fit(job) => parsed(&job, self.fitted(&job)),
             Work::Rest(job, part, place) => {
                 let from = start.at(place);
@@ -282,6 +299,9 @@ impl Workshop {
         message.is_from_home = !start.is_known() && from.is_known();
         message.refusal = message.refusal.or(refusal);
         message.layers = job.layers();
+        message.scale = job.size.scale;
+        message.turn = job.size.turn;
+        message.reading = self.reading;
         let job = match &self.planner {
             Some(planner) if message.refusal.is_none() => {
                 match job.planned(planner, &self.preview, from) {
@@ -339,18 +359,53 @@ impl Workshop {
     }
 
     /// The drawing of a job's file at the greatest scale for this arm, turned and placed for it.
-    fn fitted(&self, job: &ParsedJob) -> Result<Job, String> {
+    fn fitted(&self, job: &ParsedJob) -> Result<(Job, Size), String> {
         let mut scenario = self.scenario(&job.name, job.text.to_string());
         let kept = Kept {
             scale: false,
             turn: false,
         };
         scenario.fit_to_reach(kept).map_err(sentence)?;
-        scenario.job().map_err(sentence)
+        let size = Size {
+            scale: scenario.scale,
+            turn: scenario.turn,
+        };
+        Ok((scenario.job().map_err(sentence)?, size))
+    }
+
+    /// The drawing of a job's file, read anew, with the size, the turn and the middle that it has now.
+    fn read_again(&self, job: &ParsedJob) -> Result<(Job, Size), String> {
+        let scenario = Scenario {
+            origin: Some([0.0; 2]),
+            scale: job.size.scale,
+            turn: job.size.turn,
+            ..self.scenario(&job.name, job.text.to_string())
+        };
+        let read = scenario.job().map_err(sentence)?;
+        let (now, before) = (middle(&read), middle(&job.job));
+        let placement = Placement {
+            origin: [before[0] - now[0], before[1] - now[1]],
+            scale: 1.0,
+            turn: 0.0,
+            home: [0.0; 2],
+        };
+        Ok((read.moved(&placement), job.size))
     }
 
     fn scenario(&self, name: &str, text: String) -> Scenario {
+        let Reading {
+            hatch,
+            speed,
+            pen_height,
+        } = self.reading;
+        let options = JobOptions {
+            hatch,
+            speed,
+            pen_height,
+            ..JobOptions::default()
+        };
         Scenario {
+            options,
             reader: self.reader,
             ..Scenario::new(name, self.robot.clone(), name, text)
         }
@@ -377,10 +432,10 @@ impl Workshop {
         let (name, text) = (brief(name), Arc::<str>::from(text));
         match self.scenario(&name, text.to_string()).job() {
             Ok(job) => {
-                let parsed = self.parsed(&name, text, job, start);
-                parsed.map_err(|why| unreadable(name, why))
+                let parsed = self.parsed(&name, text, (job, Size::TRUE), start);
+                parsed.map_err(|why| unreadable(name, why, self.reading))
             }
-            Err(error) => Err(unreadable(name, error.to_string())),
+            Err(error) => Err(unreadable(name, error.to_string(), self.reading)),
         }
     }
 
@@ -389,7 +444,7 @@ impl Workshop {
         &self,
         name: &str,
         text: Arc<str>,
-        job: Job,
+        (job, size): (Job, Size),
         start: JobStart,
     ) -> Result<ParsedJob, String> {
         let scenario = self.scenario(name, String::new());
@@ -397,7 +452,7 @@ impl Workshop {
         let mode = mode.unwrap_or_else(|| self.robot.working_mode());
         let assembly = start.branch.map(|branch| branch.assembly);
         match scenario.moves_in(mode, assembly, &job) {
-            Ok(moves) => Ok(ParsedJob::new(name.into(), text, job, moves)),
+            Ok(moves) => Ok(ParsedJob::new(name.into(), text, (job, size), moves)),
             Err(refused) => Err(sentence(refused)),
         }
     }
@@ -412,9 +467,10 @@ fn sentence(error: impl std::fmt::Display) -> String {
     sentence
 }
 
-fn unreadable(name: String, why: String) -> Prepared {
+fn unreadable(name: String, why: String, reading: Reading) -> Prepared {
     let message = JobMessage {
         name,
+        reading,
         refusal: Some(brief(why)),
         ..JobMessage::default()
     };

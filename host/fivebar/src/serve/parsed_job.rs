@@ -34,10 +34,34 @@ pub(super) struct ParsedJob {
     pub(super) is_timed: bool,
     /// The time of what was done of the job earlier [s].
     pub(super) done: f64,
+    /// Its size and its turn.
+    pub(super) size: Size,
+}
+
+/// How a drawing differs from its file, but for its place.
+#[derive(Clone, Copy)]
+pub(super) struct Size {
+    /// Metres in the plane per metre in the file.
+    pub(super) scale: f64,
+    /// The angle by which it is turned, counter-clockwise [rad].
+    pub(super) turn: f64,
+}
+
+impl Size {
+    /// As the file has it.
+    pub(super) const TRUE: Self = Self {
+        scale: 1.0,
+        turn: 0.0,
+    };
 }
 
 impl ParsedJob {
-    pub(super) fn new(name: String, text: Arc<str>, job: Job, moves: Vec<Move>) -> Self {
+    pub(super) fn new(
+        name: String,
+        text: Arc<str>,
+        (job, size): (Job, Size),
+        moves: Vec<Move>,
+    ) -> Self {
         let (parts, pauses) = job.with_pauses(&divided(None, &moves));
         let moves: Arc<[Move]> = moves.into();
         let parts = if parts.len() == moves.len() {
@@ -57,6 +81,7 @@ impl ParsedJob {
             part_of: None,
             parts,
             done: 0.0,
+            size,
         }
     }
 
@@ -166,6 +191,7 @@ impl ParsedJob {
             parts,
             pauses: pauses.into(),
             done: self.done + done,
+            size: self.size,
         }
     }
 

@@ -67,6 +67,7 @@ impl ClientRequest {
             Self::Alive
             | Self::Control
             | Self::Load { .. }
+            | Self::Read(_)
             | Self::Place(_)
             | Self::Fit
             | Self::RunOn(_)
@@ -229,6 +230,7 @@ impl ControllerThread {
             _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
             ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
             ClientRequest::Place(shift) => self.place_job(|job| Work::Place(job, shift)),
+            ClientRequest::Read(reading) => self.read_again(reading),
             ClientRequest::Fit => self.place_job(Work::Fit),
             ClientRequest::Frame => self.go_around(),
             ClientRequest::Run => self.run_job(page, 0),

@@ -33,7 +33,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 29] = [
+const ASSETS: [Asset; 30] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -70,6 +70,7 @@ const ASSETS: [Asset; 29] = [
     ("/drives.js", SCRIPT, include_str!("page/drives.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/plots.js", SCRIPT, include_str!("page/plots.js")),
+    ("/reading.js", SCRIPT, include_str!("page/reading.js")),
     ("/recording.js", SCRIPT, include_str!("page/recording.js")),
     ("/replay.js", SCRIPT, include_str!("page/replay.js")),
     ("/regions.js", SCRIPT, include_str!("page/regions.js")),

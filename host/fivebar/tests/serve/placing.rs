@@ -189,3 +189,72 @@ fn a_tour_that_leaves_the_workspace_or_has_no_drawing_is_refused_with_the_reason
     page.send(&json!("frame"));
     notice(&mut page, "leaves where the arm can move");
 }
+
+#[test]
+fn a_file_is_read_again_with_hatch_and_speed_where_it_lies() {
+    let server = Server::start();
+    let mut page = server.page();
+    page.take_control_and_arm();
+    let square = r##"<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10">
+        <rect width="20" height="10" fill="#000"/></svg>"##;
+    page.accepted(&json!({ "load": { "name": "square.svg", "text": square } }));
+    let drawn = |message: &Value| {
+        let at = box_of(message)?;
+        let job = &message["job"];
+        let count = job["strokes"].as_array()?.len();
+        Some((at, count, number(&job["time"]), job.clone()))
+    };
+    let (first, ..) = page.wait("the job", drawn);
+    let place =
+        json!({ "about": [first[0], first[1]], "by": [0.0, 0.01], "scale": 1.5, "turn": 0.25 });
+    page.accepted(&json!({ "place": place }));
+    let (placed, outlines, time, job) = page.wait("the new place", drawn);
+    assert!(
+        (number(&job["scale"]) - 1.5).abs() < 1e-9 && (number(&job["turn"]) - 0.25).abs() < 1e-9
+    );
+    page.accepted(&json!({ "read": { "hatch": 0.001, "speed": null, "pen_height": null } }));
+    let (hatched, lines, ..) = page.wait("the hatch", drawn);
+    // Lines at 45° in a rectangle of 30 by 15 mm, 1 mm apart: 45/√2 of them, and travel before each.
+    assert!(
+        lines > outlines + 55 && lines < outlines + 70,
+        "{outlines}, then {lines}"
+    );
+    page.accepted(&json!({ "read": { "hatch": null, "speed": 0.01, "pen_height": null } }));
+    let (slow, count, slow_time, job) = page.wait("the speed", drawn);
+    assert_eq!(count, outlines);
+    assert_eq!(job["reading"]["speed"], 0.01);
+    // 90 mm at 10 mm/s.
+    assert!(
+        slow_time > 9.0 && slow_time > 2.0 * time,
+        "{slow_time} s for {time} s"
+    );
+    for other in [hatched, slow] {
+        assert!(
+            (0..4).all(|it| (other[it] - placed[it]).abs() < 1e-5),
+            "{other:?} {placed:?}"
+        );
+    }
+    for (read, words) in [
+        (
+            json!({ "hatch": 1e-5, "speed": null, "pen_height": null }),
+            "hatch",
+        ),
+        (
+            json!({ "hatch": null, "speed": 0.0, "pen_height": null }),
+            "speed",
+        ),
+        (
+            json!({ "hatch": null, "speed": null, "pen_height": 2.0 }),
+            "height",
+        ),
+    ] {
+        page.send(&json!({ "read": read }));
+        notice(&mut page, words);
+    }
+    // What was refused is forgotten, what was accepted holds for the next file.
+    page.accepted(&json!({ "load": { "name": "square.svg", "text": square } }));
+    let (.., job) = page.wait("the next job", |message| {
+        drawn(message).filter(|(.., job)| number(&job["scale"]) == 1.0)
+    });
+    assert_eq!(job["reading"]["speed"], 0.01);
+}

@@ -14,6 +14,7 @@ import { WorkspaceMap } from "./map.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
 import { PlacementFields } from "./placement.js";
 import { Plot } from "./plots.js";
+import { listenToReading, showReading } from "./reading.js";
 import { LABELS, Recording } from "./recording.js";
 import { Replay } from "./replay.js";
 import { listenToTabs, show as showTabOf } from "./tabs.js";
@@ -88,7 +89,8 @@ function receive(message) {
       }
     }
     showJob(message.job, drawing.jobBox);
-    placement.show(drawing.jobBox);
+    placement.show(drawing.jobBox, message.job.turn);
+    showReading(message.job.reading);
     showControls();
     redraw();
   }
@@ -402,6 +404,7 @@ at("feed").onchange = () => send({ feed: percent() / 100 });
 at("run-on").onchange = () => send({ run_on: at("run-on").checked });
 at("map").onchange = () => setMap(at("map").checked);
 listenToFiles(at("file"), connection, load, (reason) => showNotice(reason, true));
+listenToReading((reading) => send({ read: reading }));
 listenToTabs(redraw);
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };

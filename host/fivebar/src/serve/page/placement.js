@@ -2,13 +2,16 @@
 
 const at = (name) => document.getElementById(`place-${name}`);
 const MILLIMETRE = 1e-3;
+const DEGREE = Math.PI / 180;
+const NAMES = ["left", "low", "width", "height", "turn"];
 
 export class PlacementFields {
   #box = null; // lower left and upper right corner of what the job draws [m]
+  #turn = 0; // of the job against its file [rad]
 
   // `onPlace` gets the point that stays when scaled and turned [m], the motion [m], the factor and the angle [degrees].
   constructor(onPlace) {
-    for (const name of ["left", "low", "width", "height", "turn"]) {
+    for (const name of NAMES) {
       at(name).addEventListener("change", () => {
         const value = Number(at(name).value);
         if (this.#box && at(name).value !== "" && Number.isFinite(value)) this.#place(name, value, onPlace);
@@ -17,33 +20,35 @@ export class PlacementFields {
     }
   }
 
-  // Shows where the drawing lies.
-  show(box) {
+  // Shows where the drawing lies, and how it is turned.
+  show(box, turn) {
     this.#box = box;
+    this.#turn = turn;
     this.#fill();
   }
 
   #values() {
     const [left, low, right, high] = this.#box;
-    return { left, low, width: right - left, height: high - low };
+    const turn = this.#turn / DEGREE - 360 * Math.round(this.#turn / DEGREE / 360);
+    const sizes = { left, low, width: right - left, height: high - low };
+    return { ...Object.fromEntries(Object.entries(sizes).map(([name, size]) => [name, size / MILLIMETRE])), turn };
   }
 
   #fill() {
-    for (const name of ["left", "low", "width", "height"]) {
-      at(name).disabled = !this.#box;
-      at(name).value = this.#box ? (this.#values()[name] / MILLIMETRE).toFixed(1) : "";
+    const values = this.#box ? this.#values() : null;
+    for (const name of NAMES) {
+      at(name).disabled = !values;
+      at(name).value = values ? Number(values[name].toFixed(1)) : "";
     }
-    at("turn").disabled = !this.#box;
-    at("turn").value = 0;
   }
 
   #place(name, value, onPlace) {
     const [left, low, right, high] = this.#box;
-    if (name === "turn") return onPlace([(left + right) / 2, (low + high) / 2], [0, 0], 1, value);
     const now = this.#values()[name];
-    const wanted = value * MILLIMETRE;
-    if (name === "left") return onPlace([left, low], [wanted - now, 0], 1, 0);
-    if (name === "low") return onPlace([left, low], [0, wanted - now], 1, 0);
-    if (wanted > 0 && now > 0) onPlace([left, low], [0, 0], wanted / now, 0);
+    const by = value - now;
+    if (name === "turn") onPlace([(left + right) / 2, (low + high) / 2], [0, 0], 1, by);
+    else if (name === "left") onPlace([left, low], [by * MILLIMETRE, 0], 1, 0);
+    else if (name === "low") onPlace([left, low], [0, by * MILLIMETRE], 1, 0);
+    else if (value > 0 && now > 0) onPlace([left, low], [0, 0], value / now, 0);
   }
 }

@@ -68,6 +68,8 @@ pub(in crate::serve) enum ClientRequest {
         /// The G-code.
         text: String,
     },
+    /// Read the loaded file again, and later ones, in this way.
+    Read(Reading),
     /// Place the loaded drawing elsewhere.
     Place(Shift),
     /// Place the drawing of the loaded file where the arm can draw it largest, turned as it fits best.
@@ -98,6 +100,18 @@ pub(in crate::serve) struct Shift {
     pub(in crate::serve) scale: f64,
     /// The angle, counter-clockwise [rad].
     pub(in crate::serve) turn: f64,
+}
+
+/// How files are read where they leave it open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::serve) struct Reading {
+    /// Distance of the lines that fill the areas of an SVG [m]; none: outlines only.
+    pub(in crate::serve) hatch: Option<f64>,
+    /// Speed along what is drawn [m/s]; none: the file's, or the arm's greatest.
+    pub(in crate::serve) speed: Option<f64>,
+    /// Z at or below which the pen is down [m]; none: 0, or the middle of the file's heights.
+    pub(in crate::serve) pen_height: Option<f64>,
 }
 
 /// A driven joint.
@@ -261,6 +275,12 @@ pub(in crate::serve) struct JobMessage {
     pub(in crate::serve) strokes: Vec<Stroke>,
     /// What of it is skipped, and how it is read where that is not certain.
     pub(in crate::serve) notes: Vec<String>,
+    /// Its size as a share of its file's.
+    pub(in crate::serve) scale: f64,
+    /// How far it is turned, counter-clockwise [rad].
+    pub(in crate::serve) turn: f64,
+    /// How its file was read.
+    pub(in crate::serve) reading: Reading,
     /// Whether it was checked from home, because the arm's position is unknown until it is homed.
     pub(in crate::serve) is_from_home: bool,
     /// Why it cannot be done.
@@ -319,7 +339,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 20];
+        let mut seen = [false; 21];
         for example in examples.lines() {
             let read: NumberedRequest = serde_json::from_str(example).expect(example);
             let kind = match read.request {
@@ -343,10 +363,11 @@ mod tests {
                 ClientRequest::Renew(_) => 17,
                 ClientRequest::Fit => 18,
                 ClientRequest::Frame => 19,
+                ClientRequest::Read(_) => 20,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 20]);
+        assert_eq!(seen, [true; 21]);
     }
 
     #[test]
