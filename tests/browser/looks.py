@@ -31,6 +31,24 @@ def a_phone_has_all_of_it_and_the_emergency_stop_in_view(page):
     browser.script("scrollTo(0, 0);")
 
 
+def a_phone_shows_the_arm_and_all_arrows_of_the_tool_at_once(page):
+    browser = page.browser
+    for width, height in ((360, 800), (390, 844)):
+        browser.resize(width, height, mobile=True)
+        browser.click("#tab-move")
+        browser.script("scrollTo(0, 0);")
+        hidden = browser.script("""
+            return ['#arm', '#emergency', '#next', ...[...document.querySelectorAll('[data-jog]')].map(
+                ({ dataset }) => `[data-jog="${dataset.jog}"]`)].filter((selector) => {
+                const box = document.querySelector(selector).getBoundingClientRect();
+                const isThumb = selector === '#arm' || (box.width >= 44 && box.height >= 44);
+                return !(isThumb && box.left >= 0 && box.right <= innerWidth && box.top >= 0 && box.bottom <= innerHeight);
+            });""")
+        assert not hidden, f"{width} × {height} px: {hidden}"
+    browser.click("#tab-job")
+    browser.script("scrollTo(0, 0);")
+
+
 def dark_is_dark_and_light_is_light(page):
     browser = page.browser
 
@@ -145,6 +163,7 @@ def check(page):
     page.browser.click('[data-zoom="arm"]')
     the_map_is_of_the_chosen_branch(page)
     a_phone_has_all_of_it_and_the_emergency_stop_in_view(page)
+    a_phone_shows_the_arm_and_all_arrows_of_the_tool_at_once(page)
     dark_is_dark_and_light_is_light(page)
     page.browser.resize(1280, 900)
 
