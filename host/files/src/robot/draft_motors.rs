@@ -141,16 +141,16 @@ impl Motor {
 }
 
 impl StepperMotor {
-    /// A NEMA 17 of 40 mm with a belt, benchtop_stepper's.
+    /// A NEMA 17 of 48 mm with a belt: the one of docs/use/parts.md.
     pub const TYPICAL: Self = Self {
         gear_ratio: 4.0,
-        rotor_inertia: 5.4e-6,
+        rotor_inertia: 8.2e-6,
         steps_per_turn: 200,
         microsteps: 16,
-        holding_torque: 0.40,
-        rated_current: 1.7,
-        resistance: 1.5,
-        inductance: 2.8e-3,
+        holding_torque: 0.59,
+        rated_current: 2.0,
+        resistance: 1.4,
+        inductance: 3.0e-3,
         driver: DriverMode::Current,
         encoder_counts: None,
     };

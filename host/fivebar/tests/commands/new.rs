@@ -531,3 +531,26 @@ proptest! {
         prop_assert_eq!(robot.actuators.is_some(), driven);
     }
 }
+
+#[test]
+fn the_stepper_that_is_proposed_is_the_one_of_the_list_of_parts() {
+    let document = include_str!("../../../../docs/use/parts.md");
+    let line = document
+        .lines()
+        .find(|line| line.starts_with("| motors, 2 | StepperOnline"))
+        .expect("the row of the steppers' motors");
+    let motor = StepperMotor::TYPICAL;
+    let figures = format!(
+        "{:.2} N·m, {:.1} A, {:.1} Ω, {:.1} mH, {}°",
+        motor.holding_torque,
+        motor.rated_current,
+        motor.resistance,
+        1e3 * motor.inductance,
+        360.0 / f64::from(motor.steps_per_turn)
+    );
+    let inertia = format!("{:.0} g·cm²", 1e7 * motor.rotor_inertia);
+    assert!(
+        line.contains(&figures) && line.contains(&inertia),
+        "{figures}, {inertia}: {line}"
+    );
+}
