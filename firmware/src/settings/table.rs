@@ -1,6 +1,6 @@
 //! The table of the settings: of each number its keys, its unit, its bounds, its default and its
 //! meaning. The controller's check, the sentences of refusals, the robot file, the questions of
-//! `fivebar new`, `fivebar settings show` and the table of `docs/use/robot-file.md` follow from it.
+//! `fivebar new`, `fivebar settings show` and the table `docs/use/settings.csv` follow from it.
 //!
 //! The check needs the bounds alone, so the texts are in no image.
 

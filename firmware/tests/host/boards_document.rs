@@ -1,9 +1,10 @@
-//! Compares the table of boards in `docs/use/wiring.md` with the data.
+//! Compares the table of boards in `docs/use/wiring.md`, and `docs/use/board_pins.csv`, with the data.
 
 use fivebar_firmware::drivers::boards::{BOARDS, Board, Pin, Row, Use};
 use std::fmt::Write;
 
 const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/use/wiring.md");
+const PINS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/use/board_pins.csv");
 const BEGIN: &str = "<!-- boards, written by FIVEBAR_UPDATE=1 cargo test -p fivebar-firmware --test host boards -->\n";
 const END: &str = "<!-- end -->";
 
@@ -48,17 +49,13 @@ fn table() -> String {
         } = board;
         writeln!(text, "| `{name}` | {what} | {crystal} MHz | {refused} |").expect("a text");
     }
-    let names: Vec<_> = BOARDS
-        .iter()
-        .map(|board| format!("`{}`", board.name))
-        .collect();
-    write!(
-        text,
-        "\n| image | signal | {} |\n|---|---|{}\n",
-        names.join(" | "),
-        "---|".repeat(names.len())
-    )
-    .expect("a text");
+    text
+}
+
+/// The pin of each signal on each board, as lines of values between commas.
+fn pins() -> String {
+    let names: Vec<_> = BOARDS.iter().map(|board| board.name).collect();
+    let mut text = format!("image,signal,{}\n", names.join(","));
     let boards: Vec<_> = BOARDS.iter().map(kinds).collect();
     for (kind, (name, rows, _)) in boards[0].iter().enumerate() {
         for (at, row) in rows.iter().enumerate() {
@@ -67,7 +64,7 @@ fn table() -> String {
                 _ => "–".to_owned(),
             });
             let pins: Vec<_> = pins.collect();
-            writeln!(text, "| {name} | {} | {} |", row.signal, pins.join(" | ")).expect("a text");
+            writeln!(text, "{name},{},{}", row.signal, pins.join(",")).expect("a text");
         }
     }
     text
@@ -82,9 +79,12 @@ fn the_wiring_has_the_pins_of_each_board() {
     if std::env::var_os("FIVEBAR_UPDATE").is_some() {
         std::fs::write(DOCUMENT, format!("{before}{BEGIN}{table}{END}{after}"))
             .expect("it is written");
+        std::fs::write(PINS, pins()).expect("it is written");
         return;
     }
     assert_eq!(written, table);
+    let written = std::fs::read_to_string(PINS).expect("the pins");
+    assert_eq!(written, pins());
 }
 
 /// A Feather has no more pins than these at its edge, so that a row which names another one is wrong (its maker's pinout).

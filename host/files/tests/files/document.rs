@@ -84,15 +84,16 @@ fn the_scenario_of_the_document_is_read_with_its_defaults() {
     );
 }
 
-/// The lines between which the table of the settings stands.
-const TABLE: [&str; 2] = [
-    "|key|unit|what it must be|\n|---|---|---|\n",
-    "\nWhere two keys",
-];
+const SETTINGS: &str = include_str!("../../../../docs/use/settings.csv");
+const FAULTS: &str = include_str!("../../../../docs/use/scenario_faults.csv");
+const PLAUSIBLE: &str = include_str!("../../../../docs/use/plausible_values.csv");
 
-/// The table of the settings, a line a row.
+/// The table of the settings.
 fn table() -> String {
-    let line = |row: Row| {
+    let mut lines = csv::Writer::from_writer(Vec::new());
+    let mut write = |row: [&str; 3]| lines.write_record(row).unwrap();
+    write(["key", "unit", "what it must be"]);
+    for row in rows().filter(|row| !row.key.is_empty()) {
         let Row {
             key, unit, must, ..
         } = row;
@@ -104,19 +105,72 @@ fn table() -> String {
             .unwrap_or(&must);
         let with_unit = format!(" {unit}");
         let must = must.strip_suffix(&with_unit).unwrap_or(must);
-        format!("|`{key}`|{unit}|{must}|\n")
-    };
-    rows().filter(|row| !row.key.is_empty()).map(line).collect()
+        write([key, unit, &must.replace('`', "")]);
+    }
+    String::from_utf8(lines.into_inner().unwrap()).unwrap()
 }
 
-/// With `FIVEBAR_UPDATE` in the environment, the document is written anew instead.
 #[test]
-fn the_document_shows_the_table_of_the_settings() {
-    let [begin, end] = TABLE;
-    let start = DOCUMENT.find(begin).expect("the table") + begin.len();
-    let length = DOCUMENT[start..].find(end).expect("the end of the table");
-    let new = [&DOCUMENT[..start], &table(), &DOCUMENT[start + length..]].concat();
-    keep("use/robot-file.md", DOCUMENT, &new);
+fn the_documents_have_the_table_of_the_settings() {
+    keep("use/settings.csv", SETTINGS, &table());
+}
+
+/// The rows of a table, without its heading.
+fn rows_of(table: &'static str) -> Vec<csv::StringRecord> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    reader.records().map(Result::unwrap).collect()
+}
+
+/// A scenario is read with each fault of the table and the keys that it needs, and with no key less.
+#[test]
+fn the_faults_of_a_scenario_need_the_keys_of_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let petal = include_str!("../../jobs/petal.gcode");
+    std::fs::write(folder.path().join("petal.gcode"), petal).unwrap();
+    let path = folder.path().join("scenario.toml");
+    let load = |kind: &str, keys: &[&str]| {
+        let lines = keys.iter().map(|&key| match key {
+            "pressed" | "high" => format!("{key} = true\n"),
+            "gain" | "share" | "amperes" | "volts" | "kilograms" | "seconds" => {
+                format!("{key} = 0.5\n")
+            }
+            _ => format!("{key} = 1\n"),
+        });
+        let lines: String = lines.collect();
+        let text = format!("job = 'petal.gcode'\n[[fault]]\nkind = '{kind}'\n{lines}");
+        std::fs::write(&path, text).unwrap();
+        Scenario::load(path.to_str().unwrap())
+    };
+    let unknown = load("none", &[]).unwrap_err().to_string();
+    for row in rows_of(FAULTS) {
+        let (kind, needs) = (&row[0], row[1].split_whitespace().collect::<Vec<_>>());
+        assert_eq!(load(kind, &needs).expect(kind).faults.len(), 1);
+        for &key in &needs {
+            let others: Vec<_> = needs.iter().copied().filter(|&it| it != key).collect();
+            let error = load(kind, &others).unwrap_err().to_string();
+            assert!(error.contains("is missing"), "{kind}, {key}: {error}");
+        }
+    }
+    // A refusal names every kind.
+    let named = unknown.split('`').filter(|name| name.contains('_')).count();
+    assert_eq!(rows_of(FAULTS).len(), named, "{unknown}");
+}
+
+/// The keys of the table of plausible values are keys of a robot file.
+#[test]
+fn the_plausible_values_are_of_keys_that_there_are() {
+    let [robot, drives, sections, _] = examples();
+    let template = [robot, drives, sections].concat();
+    for row in rows_of(PLAUSIBLE) {
+        let (keys, _) = row[0].split_once(" of ").unwrap_or((&row[0], ""));
+        for key in keys.split(", ").filter(|key| !key.starts_with('[')) {
+            let key = key.split(' ').next().unwrap();
+            let assigned = format!("{key} = ");
+            let there = |line: &str| line.trim_start_matches(['#', ' ']).starts_with(&assigned);
+            let of_slider = row[0].starts_with("of a slider");
+            assert!(of_slider || template.lines().any(there), "{key}");
+        }
+    }
 }
 
 /// Holds a file of docs to this text. With `FIVEBAR_UPDATE` in the environment, it is written anew instead.

@@ -1,5 +1,5 @@
-//! The columns by kind of drive of docs/use/faults.md and docs/design/safety.md: which faults are seen is in
-//! firmware/src/safety/seen.rs, how often and after which time in docs/verify/data/fault_campaign.csv.
+//! The tables by kind of drive of docs/use/faults.md, docs/verify/data/seen_faults.csv and docs/design/safety.md: which
+//! faults are seen is in firmware/src/safety/seen.rs, how often and after which time in docs/verify/data/fault_campaign.csv.
 
 use super::data;
 use super::drives::Drive;
@@ -41,24 +41,36 @@ fn seen(fault: Fault, kind: DriveKind, lines: &[Line]) -> String {
     let times: u32 = latched.iter().map(|line| line.by[&fault.number()]).sum();
     let most = |of: fn(&Line) -> f64| latched.iter().map(|line| of(line)).fold(0.0, f64::max);
     let (after, cost) = (most(|line| line.worst_ms), most(|line| line.worst_mm));
-    format!("seen: {times}, {} ms, {} mm", short(after), short(cost))
+    format!("seen: {times}; {} ms; {} mm", short(after), short(cost))
 }
 
-/// The table of these faults: those of which the same comes share a row.
-fn faults(faults: impl Iterator<Item = Fault>, lines: &[Line]) -> String {
-    let mut rows: Vec<(String, Vec<String>)> = Vec::new();
-    for fault in faults {
-        let name = format!("{} {}", fault.number(), fault_name(fault));
+/// The lines of docs/verify/data/seen_faults.csv: what comes of each fault with each kind of drive.
+fn seen_faults(lines: &[Line]) -> String {
+    let mut text = format!("number,fault,{}\n", DriveKind::ALL.map(DriveKind::name).join(","));
+    for fault in Fault::all() {
         let cells = DriveKind::ALL.map(|kind| seen(fault, kind, lines));
-        match rows.iter_mut().find(|(_, of_row)| *of_row == cells) {
-            Some((names, _)) => {
-                let _ = write!(names, ", {name}");
-            }
-            None => rows.push((name, cells.into())),
+        let (number, name) = (fault.number(), fault_name(fault));
+        let _ = writeln!(text, "{number},{name},{}", cells.join(","));
+    }
+    text
+}
+
+/// The faults that a kind of drive does not show, as ranges of their numbers.
+fn unseen(kind: DriveKind) -> String {
+    let mut ranges: Vec<[u8; 2]> = Vec::new();
+    for fault in Fault::all().filter(|&fault| kind.sees(fault).is_err()) {
+        let number = fault.number();
+        match ranges.last_mut() {
+            Some([_, last]) if *last + 1 == number => *last = number,
+            _ => ranges.push([number, number]),
         }
     }
-    let columns = DriveKind::ALL.into_iter().map(DriveKind::name);
-    table("fault", columns, rows.into_iter())
+    let text = |[first, last]: [u8; 2]| match last - first {
+        0 => format!("{first}"),
+        1 => format!("{first}, {last}"),
+        _ => format!("{first} to {last}"),
+    };
+    ranges.into_iter().map(text).collect::<Vec<_>>().join(", ")
 }
 
 /// What no fault told of, though the tip was wrong by more than a tenth of the arm's leg.
@@ -85,8 +97,7 @@ fn untold(lines: &[Line]) -> String {
 /// Holds the table of this heading in a document to this one. With `FIVEBAR_UPDATE` in the environment, it is written
 /// anew instead.
 fn keep(document: &str, wanted: &str) {
-    let path = format!("{}/../docs/{document}", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(&path).expect("a document");
+    let text = read(document);
     let heading = wanted.lines().next().expect("a heading");
     let start = text
         .find(heading)
@@ -94,23 +105,38 @@ fn keep(document: &str, wanted: &str) {
     let length = text[start..]
         .find("\n\n")
         .map_or(text.len() - start, |end| end + 1);
+    let new = [&text[..start], wanted, &text[start + length..]].concat();
+    keep_whole(document, &new);
+}
+
+/// Holds a whole file to this text, or writes it anew.
+fn keep_whole(document: &str, wanted: &str) {
     if std::env::var_os("FIVEBAR_UPDATE").is_some() {
-        let new = [&text[..start], wanted, &text[start + length..]].concat();
-        std::fs::write(path, new).expect("it can be written");
+        std::fs::write(path(document), wanted).expect("it can be written");
     } else {
         let hint =
             "FIVEBAR_UPDATE=1 cargo test -p fivebar-tests --test fault_campaign writes it anew";
-        assert_eq!(
-            &text[start..start + length],
-            wanted,
-            "docs/{document}: {hint}"
-        );
+        assert_eq!(read(document), wanted, "docs/{document}: {hint}");
     }
 }
 
+fn path(document: &str) -> String {
+    format!("{}/../docs/{document}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(document: &str) -> String {
+    std::fs::read_to_string(path(document)).expect("a document")
+}
+
 #[test]
-fn the_documents_have_a_column_for_each_kind_of_drive_as_code_and_campaign_have_it() {
+fn the_documents_have_each_kind_of_drive_as_code_and_campaign_have_it() {
     let lines = data();
-    keep("use/faults.md", &faults(Fault::all(), &lines));
+    let kinds = DriveKind::ALL.map(|kind| (kind.name().to_owned(), vec![unseen(kind)]));
+    let columns = ["faults that are not seen"].into_iter();
+    keep(
+        "use/faults.md",
+        &table("drives", columns, kinds.into_iter()),
+    );
+    keep_whole("verify/data/seen_faults.csv", &seen_faults(&lines));
     keep("design/safety.md", &untold(&lines));
 }
