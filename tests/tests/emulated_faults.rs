@@ -1,4 +1,4 @@
-//! Every fault injected by `docs/use/faults.md` that applies to it, on the emulated Cortex-M4F; each
+//! Every fault injected by `docs/verify/data/injected_faults.csv` that applies to it, on the emulated Cortex-M4F; each
 //! reply has the bits of a controller in this process that gets the same commands.
 
 mod bench;

@@ -17,7 +17,7 @@ use fivebar_sim::link::{Client, FaultInjector, FaultRates, Loopback};
 use nalgebra::Vector2;
 use std::io::{Read, Write};
 
-/// A row of `docs/use/faults.md`: what an injected fault leads to.
+/// A row of `docs/verify/data/injected_faults.csv`: what an injected fault leads to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stated {
     /// The fault that it raises.
@@ -28,27 +28,23 @@ pub(crate) struct Stated {
     pub(crate) at_rest: Option<u32>,
 }
 
-/// The page that states what is tested.
-pub(crate) const DOCUMENT: &str = include_str!("../../../docs/use/faults.md");
+/// The table that states what is tested.
+const INJECTED: &str = include_str!("../../../docs/verify/data/injected_faults.csv");
 
 /// The row of the table of injected faults that names this test.
 #[track_caller]
 pub(crate) fn stated(test: &str) -> Stated {
-    let name = format!("`{test}`");
-    let (_, injected_faults) = DOCUMENT
-        .split_once("## Injected faults")
-        .expect("the table");
-    let row = injected_faults
+    let row = INJECTED
         .lines()
-        .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>())
-        .find(|cells| cells.len() == 7 && cells[5] == name)
-        .unwrap_or_else(|| panic!("docs/use/faults.md has no row of {test}"));
+        .map(|line| line.split(',').collect::<Vec<_>>())
+        .find(|cells| cells[4] == test)
+        .unwrap_or_else(|| panic!("injected_faults.csv has no row of {test}"));
     let number = |cell: &str| cell.split(' ').find_map(|word| word.parse::<u32>().ok());
-    let fault = number(row[2]).expect("the number of a fault");
+    let fault = number(row[1]).expect("the number of a fault");
     Stated {
         fault: Fault::try_from(fault as u8).expect("a known fault"),
-        within: number(row[3]).expect("a count of ticks"),
-        at_rest: number(row[4]),
+        within: number(row[2]).expect("a count of ticks"),
+        at_rest: number(row[3]),
     }
 }
 

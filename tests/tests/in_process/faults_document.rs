@@ -1,9 +1,13 @@
-//! Compares `docs/use/faults.md` with the controller; the tests that it names must exist.
+//! Compares `docs/use/faults.md` and the tables of its tests, `fault_tests.csv` and `injected_faults.csv` in
+//! `docs/verify/data`, with the controller; the tests that they name must exist.
 
 use fivebar_firmware::safety::{Fault, Response};
 
 const DOCUMENT: &str = include_str!("../../../docs/use/faults.md");
-/// The files with the tests that it names.
+/// The tests of each fault in `firmware/tests`.
+const FAULT_TESTS: &str = include_str!("../../../docs/verify/data/fault_tests.csv");
+const INJECTED: &str = include_str!("../../../docs/verify/data/injected_faults.csv");
+/// The files with the tests that they name.
 const TESTS: [&str; 15] = [
     include_str!("../../../firmware/tests/controller/crossing.rs"),
     include_str!("../../../firmware/tests/controller/faults.rs"),
@@ -33,6 +37,11 @@ fn rows(part: &str) -> Vec<Vec<&str>> {
         .collect()
 }
 
+/// The cells of every row of a table with commas between them, without its headings.
+fn cells(table: &'static str) -> impl Iterator<Item = Vec<&'static str>> {
+    table.lines().skip(1).map(|line| line.split(',').collect())
+}
+
 /// "encoder jump" of `EncoderJump`.
 fn words(fault: Fault) -> String {
     fivebar_sim::simulation::fault_name(fault)
@@ -45,8 +54,11 @@ fn every_fault_has_its_row_with_its_number_and_response() {
         .iter()
         .filter(|row| row[0].parse::<u8>().is_ok())
         .collect();
+    let tests: Vec<_> = cells(FAULT_TESTS).collect();
     assert_eq!(faults.len(), Fault::all().count());
-    for (row, fault) in faults.into_iter().zip(Fault::all()) {
+    assert_eq!(tests.len(), faults.len());
+    for ((row, test), fault) in faults.into_iter().zip(tests).zip(Fault::all()) {
+        assert_eq!(row[..2], test[..2]);
         assert_eq!(row[0], fault.number().to_string());
         assert_eq!(row[1], words(fault));
         let response = match fault.response() {
@@ -59,8 +71,8 @@ fn every_fault_has_its_row_with_its_number_and_response() {
 
 #[test]
 fn every_injected_fault_names_its_fault_by_number_and_name() {
-    let rows = rows("## Injected faults");
-    let named: Vec<_> = rows.iter().filter(|row| row.len() == 5).skip(1).collect();
+    let has_fault = |row: &Vec<&str>| !["none", "at the start"].contains(&row[1]);
+    let named: Vec<_> = cells(INJECTED).filter(has_fault).collect();
     assert!(named.len() >= 14, "{named:?}");
     for row in named {
         let (number, name) = row[1].split_once(' ').expect("a number and a name");
@@ -74,11 +86,8 @@ fn every_injected_fault_names_its_fault_by_number_and_name() {
 
 #[test]
 fn every_test_it_names_is_there() {
-    let names: Vec<_> = ["## The numbers", "## Injected faults"]
-        .into_iter()
-        .flat_map(rows)
-        .filter_map(|row| row.last()?.strip_prefix('`')?.strip_suffix('`'))
-        .collect();
+    let rows = cells(FAULT_TESTS).chain(cells(INJECTED));
+    let names: Vec<_> = rows.filter_map(|row| row.last().copied()).collect();
     assert!(names.len() > 40, "{names:?}");
     for name in names {
         let function = format!("fn {name}(");

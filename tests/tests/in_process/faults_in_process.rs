@@ -1,4 +1,4 @@
-//! Every fault injected by `docs/use/faults.md` with a controller in this process.
+//! Every fault injected by `docs/verify/data/injected_faults.csv` with a controller in this process.
 
 use crate::bench::{self, Bench, is_off, stated};
 use fivebar_firmware::Request;

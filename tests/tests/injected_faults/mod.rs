@@ -1,5 +1,5 @@
 //! Faults injected into the arm and its line. Each function is a test by its name, once with a
-//! controller in this process and once on the emulated board; `docs/use/faults.md` states what it
+//! controller in this process and once on the emulated board; `docs/verify/data/injected_faults.csv` states what it
 //! must lead to, and within how many ticks.
 
 use crate::bench::{Bench, Stated, stated};

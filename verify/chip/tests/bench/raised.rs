@@ -12,25 +12,19 @@ pub(crate) const TICK: Time = 100 * MICROSECOND;
 /// The longest time from a tick's trigger to its outputs here, where the flash never waits.
 const RESPONSE: Time = 20 * MICROSECOND;
 
-/// What the document states about an injected fault: the fault, and the latest tick in which it
+/// What the table states about an injected fault: the fault, and the latest tick in which it
 /// is latched.
 pub(crate) fn stated(test: &str) -> (Fault, u64) {
-    let document = include_str!("../../../../docs/use/faults.md");
-    let name = format!("`{test}`");
-    let (_, injected) = document
-        .split_once("## Injected faults")
-        .expect("the table");
-    let rows = injected
+    let table = include_str!("../../../../docs/verify/data/injected_faults.csv");
+    let row = table
         .lines()
-        .map(|line| line.split('|').map(str::trim).collect::<Vec<_>>());
-    let row = rows
-        .filter(|cells| cells.len() == 7)
-        .find(|cells| cells[5] == name)
-        .unwrap_or_else(|| panic!("docs/use/faults.md has no row of {test}"));
+        .map(|line| line.split(',').collect::<Vec<_>>())
+        .find(|cells| cells[4] == test)
+        .unwrap_or_else(|| panic!("injected_faults.csv has no row of {test}"));
     let number = |cell: &str| cell.split(' ').find_map(|word| word.parse::<u64>().ok());
-    let fault = number(row[2]).expect("the number of a fault");
+    let fault = number(row[1]).expect("the number of a fault");
     let fault = Fault::try_from(fault as u8).expect("a known fault");
-    (fault, number(row[3]).expect("a count of ticks"))
+    (fault, number(row[2]).expect("a count of ticks"))
 }
 
 /// One end of a line of 60 mm.
