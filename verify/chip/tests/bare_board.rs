@@ -66,6 +66,18 @@ fn assert_documented(report: &BoardReport) {
     }
 }
 
+/// Each row stands in docs/use/board_test.csv with its bound.
+fn assert_documented(report: &BoardReport) {
+    let table = include_str!("../../../docs/use/board_test.csv");
+    let lines: Vec<_> = table.lines().skip(1).collect();
+    assert_eq!(lines.len(), report.rows.len());
+    for row in &report.rows {
+        let (name, bound) = (format!("{},", row.name), format!(",\"{}\"", row.bound));
+        let line = lines.iter().find(|line| line.starts_with(&name));
+        assert!(line.is_some_and(|it| it.ends_with(&bound)), "{row:?}");
+    }
+}
+
 #[test]
 fn every_row_of_a_sound_board_is_filled_and_passes() {
     let report = report(Options::default(), None, true, 0.5);
@@ -74,6 +86,7 @@ fn every_row_of_a_sound_board_is_filled_and_passes() {
         assert!(!row.measured.is_empty() && !row.bound.is_empty(), "{row:?}");
     }
     assert_eq!(report.rows.len(), 29);
+    assert_documented(&report);
     assert!(report.simulated && report.unit.contains("instructions, not cycles"));
     // While it plans, the idle task sees one tick in twelve.
     let times = report.times.expect("the board followed a path");
