@@ -127,8 +127,17 @@ fn the_faults_of_a_scenario_need_the_keys_of_the_table() {
     let folder = tempfile::tempdir().unwrap();
     let petal = include_str!("../../jobs/petal.gcode");
     std::fs::write(folder.path().join("petal.gcode"), petal).unwrap();
+    let [robot, drives, sections, _] = examples();
+    let whole = [robot, drives, sections].concat();
+    std::fs::write(folder.path().join("whole.toml"), whole).unwrap();
     let path = folder.path().join("scenario.toml");
     let load = |kind: &str, keys: &[&str]| {
+        // The document's arm has a brake and a belt.
+        let robot = match kind.split('_').next() {
+            Some("can") => "leg",
+            Some("step" | "phase") => "benchtop_stepper",
+            _ => "whole.toml",
+        };
         let lines = keys.iter().map(|&key| match key {
             "pressed" | "high" => format!("{key} = true\n"),
             "gain" | "share" | "amperes" | "volts" | "kilograms" | "seconds" => {
@@ -137,7 +146,8 @@ fn the_faults_of_a_scenario_need_the_keys_of_the_table() {
             _ => format!("{key} = 1\n"),
         });
         let lines: String = lines.collect();
-        let text = format!("job = 'petal.gcode'\n[[fault]]\nkind = '{kind}'\n{lines}");
+        let job = format!("robot = '{robot}'\njob = 'petal.gcode'\norigin = [0.03, 0.16]");
+        let text = format!("{job}\n[[fault]]\nat = 0.1\nkind = '{kind}'\n{lines}");
         std::fs::write(&path, text).unwrap();
         Scenario::load(path.to_str().unwrap())
     };

@@ -46,7 +46,10 @@ fn seen(fault: Fault, kind: DriveKind, lines: &[Line]) -> String {
 
 /// The lines of docs/verify/data/seen_faults.csv: what comes of each fault with each kind of drive.
 fn seen_faults(lines: &[Line]) -> String {
-    let mut text = format!("number,fault,{}\n", DriveKind::ALL.map(DriveKind::name).join(","));
+    let mut text = format!(
+        "number,fault,{}\n",
+        DriveKind::ALL.map(DriveKind::name).join(",")
+    );
     for fault in Fault::all() {
         let cells = DriveKind::ALL.map(|kind| seen(fault, kind, lines));
         let (number, name) = (fault.number(), fault_name(fault));
