@@ -1,4 +1,4 @@
-//! Each wire of the table *Broken wires* of `docs/use/wiring.md`, off while the arm moves: the fault that
+//! Each wire of the table `docs/verify/data/broken_wires.csv`, off while the arm moves: the fault that
 //! the table states, and nothing that moves until it is cleared.
 
 mod bench;
@@ -11,12 +11,12 @@ use fivebar_firmware::Request;
 use fivebar_firmware::safety::Fault;
 use fivebar_kinematics::five_bar::Joint;
 
-/// The fault that the document states for a broken wire.
+/// The fault that the table states for a broken wire.
 fn stated(test: &str) -> Fault {
-    let document = include_str!("../../../docs/use/wiring.md");
-    let name = format!("`{test}`");
-    let row = document.lines().find(|line| line.contains(&name));
-    let row = row.unwrap_or_else(|| panic!("docs/use/wiring.md has no row of {test}"));
+    let table = include_str!("../../../docs/verify/data/broken_wires.csv");
+    let name = format!(",{test}");
+    let row = table.lines().find(|line| line.ends_with(&name));
+    let row = row.unwrap_or_else(|| panic!("broken_wires.csv has no row of {test}"));
     let (_, after) = row.split_once("fault ").expect("a fault");
     let digits = after.split(|letter: char| !letter.is_ascii_digit()).next();
     let number = digits.and_then(|digits| digits.parse::<u8>().ok());

@@ -332,6 +332,7 @@ mod tests {
     use super::{ClientRequest, MAX_TEXT, StateMessage, brief};
     use crate::serve::wire::numbered::NumberedRequest;
     use fivebar_firmware::{Controller, Settings};
+    use std::collections::BTreeSet;
 
     const DOCUMENT: &str = include_str!("../../../../../docs/use/live-page.md");
 
@@ -395,11 +396,17 @@ mod tests {
             run_on: false,
             feed: 1.0,
         };
-        let (_, section) = DOCUMENT.split_once("The keys of `state`").unwrap();
+        let table = include_str!("../../../../../docs/use/live_state.csv");
+        let rows = table.lines().skip(1);
+        let documented: BTreeSet<_> = rows.map(|row| row.split(',').next().unwrap()).collect();
         let state = serde_json::to_value(state).unwrap();
-        for key in state.as_object().unwrap().keys() {
-            assert!(section.contains(&format!("`{key}`")), "{key}");
-        }
+        let keys: BTreeSet<_> = state
+            .as_object()
+            .unwrap()
+            .keys()
+            .map(String::as_str)
+            .collect();
+        assert_eq!(documented, keys);
     }
 
     #[test]
