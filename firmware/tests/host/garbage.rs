@@ -124,6 +124,7 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
         State::Homing
         | State::Exciting
         | State::Crossing
+        | State::Compliant
         | State::Armed
         | State::Running
         | State::Stopping => true,

@@ -28,7 +28,7 @@ class ArmState:
     """What a controller tells of its arm. Pairs are (joint 1, joint 4) or (x, y)."""
 
     #: ``"Stopped"`` (motors off), ``"Homing"``, ``"Armed"`` (motors on, at rest), ``"Running"``, ``"Stopping"``,
-    #: ``"Crossing"``, ``"Exciting"`` or ``"Fault"``.
+    #: ``"Crossing"``, ``"Exciting"``, ``"Compliant"`` (a hand leads it) or ``"Fault"``.
     state: str
     #: The latched fault; None if there is none.
     fault: Optional[str]

@@ -163,6 +163,7 @@ impl Rules {
             State::Homing
             | State::Exciting
             | State::Crossing
+            | State::Compliant
             | State::Armed
             | State::Running
             | State::Stopping => true,
@@ -226,6 +227,7 @@ impl Rules {
             | State::Homing
             | State::Exciting
             | State::Crossing
+            | State::Compliant
             | State::Stopping
             | State::Fault => false,
         };

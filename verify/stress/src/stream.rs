@@ -66,7 +66,7 @@ impl StreamRun {
         let time = f32::from(n) * f32::from(PERIOD) * 1e-4;
         let (sine, cosine) = (self.rate * time).sin_cos();
         let (from, scale) = match self.config.mode {
-            StreamMode::Tip => (tool, 1.0),
+            StreamMode::Tip | StreamMode::Free => (tool, 1.0),
             // Per metre of the tool about so many radians.
             StreamMode::Joint => (joints, 10.0),
         };

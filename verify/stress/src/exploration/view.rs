@@ -114,6 +114,7 @@ impl View {
             State::Homing
             | State::Exciting
             | State::Crossing
+            | State::Compliant
             | State::Running
             | State::Stopping => true,
             State::Stopped | State::Armed | State::Fault => self.moves,
