@@ -100,7 +100,11 @@ impl<D: Drives> ArmController<D> {
             ControlMode::Off | ControlMode::Waking => return self.off(),
             ControlMode::Homing => self.home(sample),
             ControlMode::Crossing => self.cross().map(Some),
-            ControlMode::Compliant => self.comply().map(Some),
+            ControlMode::Compliant => match D::NEEDS {
+                Needs::Torque => self.comply().map(Some),
+                // They do not get into this state, so their images have no code for it.
+                Needs::Motion => Ok(None),
+            },
             ControlMode::Tracking => self.track().map(Some),
         };
         let torques = match torques {

@@ -28,8 +28,9 @@ pub(crate) struct StreamRun {
 impl StreamRun {
     pub(crate) fn from_bytes(bytes: &mut Bytes<'_>) -> Self {
         let mode = match bytes.byte() {
-            0..=127 => StreamMode::Tip,
-            128..=255 => StreamMode::Joint,
+            0..=99 => StreamMode::Tip,
+            100..=199 => StreamMode::Joint,
+            200..=255 => StreamMode::Free,
         };
         let how = bytes.byte();
         Self {
