@@ -50,10 +50,8 @@ def test_every_kind_replays_a_path_at_any_speed_it_can_follow(robot, tmp_path):
         for speed in (1.0, 0.5):
             live.replay(path, speed=speed)
             assert np.hypot(live.state.tool[0] - x, live.state.tool[1] - y) < 1e-3
-        with pytest.raises(fivebar.FivebarError, match="times it is possible"):
-            live.replay(path, speed=20.0)
         with pytest.raises(fivebar.FivebarError, match="the speed must be"):
-            live.replay(path, speed=30.0)
+            live.replay(path, speed=6.0)
         for form in ("json", "gcode", "svg"):
             path.save(tmp_path / f"path.{form}")
         again = fivebar.TaughtPath.load(tmp_path / "path.json")

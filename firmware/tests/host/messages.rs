@@ -141,6 +141,7 @@ fn stream_state() -> impl Strategy<Value = StreamState> {
         StreamReason::Gap,
         StreamReason::Away(0.25),
         StreamReason::Limit(MoveErrorKind::Overload(4)),
+        StreamReason::Silent,
     ]);
     let progress = (
         phase,

@@ -199,7 +199,7 @@ class LiveArm:
         return TaughtPath(self._connection.be_led(_positive("seconds", seconds)))
 
     def replay(self, path: TaughtPath, *, speed: float = 1.0) -> None:
-        """Does a taught motion again, at this multiple of its speed, 0.01 to 20. It is checked as a whole before anything moves.
+        """Does a taught motion again, at this multiple of its speed, 0.05 to 5. It is checked as a whole before anything moves.
 
         Raises :class:`fivebar.ControllerError` with the reason and a possible speed, if the arm cannot follow it so fast.
         """

@@ -13,6 +13,8 @@ const TOLERANCE: f64 = 2e-5;
 const MOST_PASSES: u32 = 40;
 /// A tip nearer than this to where it began has not left yet [m].
 const STILL: f64 = 5e-5;
+/// An arm whose tip went less far was not led [m].
+const LED: f64 = 5e-4;
 /// Rest that is kept before the first motion and behind the last one [s].
 const REST: f64 = 0.05;
 
@@ -120,6 +122,9 @@ impl Record {
 /// The knots from shortly before the tip leaves until shortly after it has arrived; none if it stays.
 fn trimmed(knots: &[Vector2<f64>]) -> Option<&[Vector2<f64>]> {
     let (first, last) = (knots.first()?, knots.last()?);
+    if knots.iter().all(|it| (it - first).norm() < LED) {
+        return None;
+    }
     let leaves = knots.iter().position(|it| (it - first).norm() > STILL)?;
     let arrives = knots.iter().rposition(|it| (it - last).norm() > STILL)?;
     let rest = (REST / KNOT) as usize;

@@ -7,14 +7,17 @@ use fivebar_firmware::{Move, MoveKind, Planner, TimedCurve, TimedMove};
 use nalgebra::Vector2;
 use std::fmt::Write;
 
-/// The slowest and the fastest replay, in times of the taught speed.
-pub const LEAST_SPEED: f64 = 0.01;
+/// The slowest and the fastest replay, in times of the taught speed: pieces are as short as 2 ms then, and rounding makes steps of shorter
+/// ones.
+pub const LEAST_SPEED: f64 = 0.05;
 /// See [`LEAST_SPEED`].
-pub const MOST_SPEED: f64 = 20.0;
+pub const MOST_SPEED: f64 = 5.0;
 /// The speed at which the tip goes to the beginning of a path [m/s].
 const APPROACH: f32 = 0.1;
 /// The rest there, before the path [s].
 const REST: f32 = 0.2;
+/// The longest piece [s]; a controller takes none that lasts longer than 64 ms.
+const LONGEST_PIECE: f64 = 0.06;
 /// Rounds of the search for the greatest speed.
 const ROUNDS: u32 = 12;
 /// A tip slower than this may be taken for one at rest [m/s].
@@ -124,21 +127,26 @@ impl TaughtPath {
                 && acceleration.norm() > STEADY * knot_time * knot_time
         };
         for span in spline.spans(turns) {
-            let duration = span.knots as f64 * knot_time;
-            let coefficients = span.part(0.0, 1.0);
-            let curve = TimedCurve::Blend {
-                coefficients: coefficients.map(|c| [c.x as f32, c.y as f32]),
-                inverse_length: (1.0 / (rate * duration)) as f32,
-            };
-            moves.push(Move {
-                tag: u32::try_from(span.begin + 1).unwrap_or(u32::MAX),
-                tool,
-                kind: MoveKind::Timed(TimedMove {
-                    curve,
-                    law: [0.0, rate as f32, 0.0, 0.0],
-                    duration: duration as f32,
-                }),
-            });
+            let whole = span.knots as f64 * knot_time;
+            let parts = (whole / LONGEST_PIECE).ceil().max(1.0);
+            let duration = whole / parts;
+            for part in 0..parts as u32 {
+                let from = f64::from(part) / parts;
+                let coefficients = span.part(from, from + 1.0 / parts);
+                let curve = TimedCurve::Blend {
+                    coefficients: coefficients.map(|c| [c.x as f32, c.y as f32]),
+                    inverse_length: (1.0 / (rate * duration)) as f32,
+                };
+                moves.push(Move {
+                    tag: u32::try_from(span.begin + 1).unwrap_or(u32::MAX),
+                    tool,
+                    kind: MoveKind::Timed(TimedMove {
+                        curve,
+                        law: [0.0, rate as f32, 0.0, 0.0],
+                        duration: duration as f32,
+                    }),
+                });
+            }
         }
         moves
     }

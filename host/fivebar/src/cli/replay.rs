@@ -21,7 +21,7 @@ pub(super) struct Args {
     path: PathBuf,
     #[command(flatten)]
     controller: ControllerArgs,
-    /// In times of the taught speed, 0.01 to 20.
+    /// In times of the taught speed, 0.05 to 5.
     #[arg(long, value_name = "S", default_value_t = 1.0)]
     speed: f64,
     /// Write the path as .gcode, .svg or .json in place of moving an arm.

@@ -68,8 +68,9 @@ pub(crate) enum Event {
 /// All events, those of the board's faults included.
 pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     use Event::{
-        BeginFree, BeginStream, Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed, Move,
-        OldEmergencyStop, Points, Read, Silence, Ticks, Timed, Undisturb, Until, WrongPoint, Zeros,
+        BeginFree, BeginStream, Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed,
+        Move, OldEmergencyStop, Points, Read, Silence, Ticks, Timed, Undisturb, Until, WrongPoint,
+        Zeros,
     };
     let requests = [
         Request::Arm,

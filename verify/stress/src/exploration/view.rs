@@ -99,9 +99,15 @@ impl View {
             is_planned: outside.is_planned && follows,
             is_held: snapshot.hold.is_some(),
             // Elsewhere it ends as soon as the planner runs.
-            streams: outside.stream.is_some_and(|phase| phase != StreamPhase::Ended) && follows,
+            streams: outside
+                .stream
+                .is_some_and(|phase| phase != StreamPhase::Ended)
+                && follows,
             yields: status.state == State::Compliant
-                && matches!(outside.stream, Some(StreamPhase::Waits | StreamPhase::Follows)),
+                && matches!(
+                    outside.stream,
+                    Some(StreamPhase::Waits | StreamPhase::Follows)
+                ),
             is_left: snapshot.assembly == Side::Left,
             has_settings: outside.has_settings,
             // Without power the host's silence ends nothing.
