@@ -105,9 +105,10 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
 }
 
 fn stream_config() -> impl Strategy<Value = StreamConfig> {
-    any::<(u32, bool, u16, u16)>().prop_map(|(id, joint, period, delay)| StreamConfig {
+    let mode = prop::sample::select(vec![StreamMode::Tip, StreamMode::Joint, StreamMode::Free]);
+    (mode, any::<(u32, u16, u16)>()).prop_map(|(mode, (id, period, delay))| StreamConfig {
         id,
-        mode: [StreamMode::Tip, StreamMode::Joint][usize::from(joint)],
+        mode,
         period,
         delay,
     })

@@ -12,10 +12,13 @@ use fivebar_kinematics::five_bar::Side;
 use fivebar_report::output::write_whole;
 use fivebar_sim::clock::Clock;
 use fivebar_sim::controller::{ControllerSource, Hand, Session, open};
-use fivebar_sim::drive::{Drive, DriveError, Homing};
+use fivebar_sim::drive::{Controlled, Drive, DriveError, Homing};
 use fivebar_sim::teaching::{Record, TaughtPath};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+
+/// Rounds of some 10 ms before the first command: drives on a bus answer some time after their power.
+const WAKING: u32 = 20;
 
 /// Time for which a record goes on after a scripted hand has let go [s].
 const AFTER_HAND: f64 = 0.3;
@@ -120,8 +123,12 @@ pub(super) fn opened(
         None if args.is_simulated() => (ControllerSource::Simulated, Clock::simulated()),
         None => (args.source(&image), Clock::real()),
     };
-    let (session, _) =
+    let (mut session, _) =
         open(robot, source, &clock).map_err(|error| described(error, args, robot))?;
+    for _ in 0..WAKING {
+        Controlled::pass_time(&mut session).map_err(refused)?;
+        session.read_status().map_err(refused)?;
+    }
     Ok(session)
 }
 
