@@ -10,7 +10,6 @@ use crate::way_out::Machine;
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::Drives;
 use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
-use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION,
