@@ -17,7 +17,7 @@ use super::ArmController;
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
 use crate::drives::{Drives, Needs, Stage};
-use crate::safety::{Event, Fault, Limits};
+use crate::safety::{Event, Fault, Limits, State};
 use crate::settings::CheckedSettings;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::control::{TorqueLimit, WallLimits, Walls};
@@ -216,7 +216,7 @@ impl<D: Drives> ArmController<D> {
 
     /// What an arm that gives way does; none if it does not.
     pub(crate) fn touch_phase(&self) -> Option<TouchPhase> {
-        (self.state == crate::safety::State::Compliant).then_some(self.touch.phase)
+        (self.state == State::Compliant).then_some(self.touch.phase)
     }
 
     /// A point has come: the arm gives way. Returns whether it does: not while it ends.

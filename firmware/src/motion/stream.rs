@@ -37,7 +37,7 @@ pub struct StreamPoint {
     pub id: u32,
     /// The controller's tick in which the set-point is there.
     pub due: u32,
-    /// θ1, θ4 [rad] or x, y [m]; of the mode Free any finite numbers.
+    /// θ1, θ4 [rad] or x, y [m]; those of the mode Free mean nothing.
     pub position: (f32, f32),
     /// Its velocity [rad/s or m/s].
     pub velocity: (f32, f32),

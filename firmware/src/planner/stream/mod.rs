@@ -200,7 +200,7 @@ impl Planner {
             StreamMode::Joint | StreamMode::Tip => {
                 self.follow_point(controller, &snapshot, &mut stream, n, point)
             }
-            StreamMode::Free => Self::feed_touch(controller, &stream, n, point),
+            StreamMode::Free => Self::feed_touch(controller, &stream, n),
         };
         stream.note(n, taken);
         self.stream = Some(stream);

@@ -1,6 +1,6 @@
 //! A stream of the mode Free: a hand leads the arm while points come.
 
-use super::{Planner, Stream, StreamError, StreamPhase, StreamPoint, StreamReason};
+use super::{Planner, Stream, StreamError, StreamPhase, StreamReason};
 use crate::controller::{ArmController, TouchError, TouchPhase};
 use crate::drives::Drives;
 use crate::safety::State;
@@ -22,7 +22,6 @@ impl Planner {
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         stream: &Stream,
         n: u16,
-        _: &StreamPoint,
     ) -> Result<(), StreamReason> {
         if !stream.is_next(n) {
             return Err(StreamReason::Order);
