@@ -100,11 +100,7 @@ impl<D: Drives> ArmController<D> {
             ControlMode::Off | ControlMode::Waking => return self.off(),
             ControlMode::Homing => self.home(sample),
             ControlMode::Crossing => self.cross().map(Some),
-            ControlMode::Compliant => match D::NEEDS {
-                Needs::Torque => self.comply().map(Some),
-                // They do not get into this state, so their images have no code for it.
-                Needs::Motion => Ok(None),
-            },
+            ControlMode::Compliant => self.comply().map(Some),
             ControlMode::Tracking => self.track().map(Some),
         };
         let torques = match torques {
@@ -177,7 +173,11 @@ impl<D: Drives> ArmController<D> {
             State::Exciting => ControlMode::Waking,
             State::Homing => ControlMode::Homing,
             State::Crossing => ControlMode::Crossing,
-            State::Compliant => ControlMode::Compliant,
+            // Other drives do not get into this state, so their images have no code for it.
+            State::Compliant => match D::NEEDS {
+                Needs::Torque => ControlMode::Compliant,
+                Needs::Motion => ControlMode::Off,
+            },
             State::Armed | State::Running | State::Stopping | State::Fault => ControlMode::Tracking,
         }
     }

@@ -3,7 +3,7 @@
 
 use super::ArmController;
 use super::joint::Joint;
-use crate::drives::{DriveReport, Drives};
+use crate::drives::{DriveReport, Drives, Needs};
 use crate::safety::{Event, Fault, Response, State};
 
 /// One joint in the tick that raised a fault.
@@ -167,12 +167,18 @@ impl<D: Drives> ArmController<D> {
             State::Stopping => {
                 let _ = self.dispatch(Event::Rest);
             }
-            State::Compliant => {
+            // Other drives do not get into it.
+            State::Compliant if D::NEEDS == Needs::Torque => {
                 let _ = self.dispatch(Event::Rest);
             }
             // The arm is held until the fault is cleared.
             State::Fault => self.forget_path(),
-            State::Stopped | State::Homing | State::Exciting | State::Crossing | State::Armed => {}
+            State::Stopped
+            | State::Homing
+            | State::Exciting
+            | State::Crossing
+            | State::Compliant
+            | State::Armed => {}
         }
     }
 
