@@ -56,7 +56,7 @@ pub struct Demand {
     /// τ1, τ4 [N·m].
     pub torque: [f32; 2],
     /// Whether the arm is to keep to its motion: it is not while it homes or crosses a singularity, with limited torques,
-    /// nor while its brakes are tested.
+    /// nor while a hand leads it or its brakes are tested.
     pub keeps_to_motion: bool,
     /// The joints' measured velocities [rad/s].
     pub velocity: [f32; 2],

@@ -26,6 +26,7 @@ mod observer;
 mod position;
 mod thermal;
 mod torque_limit;
+mod walls;
 
 pub use belt::{Belt, BeltDemand, BeltGains, BeltLaw, BeltState};
 pub use current::{Bus, CurrentLoop, CurrentState, Drive};
@@ -35,3 +36,4 @@ pub use observer::{ObserverState, VelocityObserver};
 pub use position::{Integral, PositionLoop};
 pub use thermal::{MotorHeat, MotorHeating};
 pub use torque_limit::TorqueLimit;
+pub use walls::{WallLimits, WallPush, Walls};
