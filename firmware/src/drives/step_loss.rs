@@ -9,6 +9,9 @@
 //! it. So until the swing is small and the set-point moves, n₀ − m₀ is a mean over the swing, and nothing is judged.
 //! Then the motor is led slowly to where its counts should be. Nothing of the swing is fed back: a loop around a rotor that
 //! hardly damps its swings excites them.
+//!
+//! Where the set-point rests, n₀ − m₀ is such a mean, too. So steps that a driver has missed, if too few for a fault, are
+//! made good at the next rest.
 
 use super::resolution::Fineness;
 use crate::safety::Fault;
@@ -18,7 +21,8 @@ use fivebar_kinematics::Scalar;
 const MOST: f32 = 1.5;
 /// The time constant of the mean [s]: some periods of a rotor's swing.
 const MEAN: f32 = 0.04;
-/// The difference of a rotor that hardly swings [full steps], and the time for which it stays within it [s].
+/// The difference of a rotor that hardly swings [full steps], and the time for which it stays within it [s]. The set-point
+/// rests when it has not moved for as long.
 const CALM: (f32, f32) = (0.5, 0.02);
 /// How fast a motor is led to where its counts should be [full steps/s].
 const LEADS: f32 = 10.0;
@@ -36,6 +40,8 @@ pub(super) struct StepLoss {
     leads: f32,
     /// Whether the set-point has moved since the current came.
     has_moved: bool,
+    /// Ticks since it moved.
+    rests: u32,
     /// Ticks until the rotor is calm.
     until_calm: u32,
     /// Counts and micro-steps in the first tick with current.
@@ -56,6 +62,7 @@ impl StepLoss {
             // `as` cuts.
             calms: (CALM.1 * tick_rate) as u32,
             has_moved: false,
+            rests: 0,
             until_calm: u32::MAX,
             start: None,
             leads: LEADS / tick_rate,
@@ -74,7 +81,7 @@ impl StepLoss {
     /// The set-point moves.
     #[inline(always)]
     pub(super) fn moves(&mut self) {
-        self.has_moved = true;
+        (self.has_moved, self.rests) = (true, 0);
     }
 
     /// By how much the counts are ahead of where the motor is told to be [micro-steps].
@@ -92,7 +99,8 @@ impl StepLoss {
         self.difference = counted - steps.wrapping_sub(start_steps) as f32;
         let ahead = self.difference - self.offset;
         let full_step = fineness.per_full_step;
-        if !self.has_moved || self.until_calm > 0 {
+        self.rests = self.rests.saturating_add(1);
+        if !self.has_moved || self.until_calm > 0 || self.rests > self.calms {
             self.offset += self.gain * ahead;
         }
         if self.until_calm > 0 {
