@@ -16,6 +16,7 @@ mod encoder_tracking;
 mod excitation;
 mod interface;
 mod load_angle;
+mod resolution;
 mod step;
 mod step_loss;
 mod torque;
@@ -27,7 +28,8 @@ pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
 use fivebar_kinematics::five_bar::Joint;
 pub use interface::DriveInterface;
-pub use step::{Resolution, StepCommand, StepDrives, StepSample};
+pub use resolution::Resolution;
+pub use step::{BlindStepDrives, StepCommand, StepDrives, StepMotors, StepSample};
 pub use torque::{
     DriveHealth, DriveStiffness, OLDEST_ANSWER, OLDEST_SAMPLE, TorqueDrives, TorqueSample,
     TorqueSetPoint,
