@@ -5,6 +5,7 @@ use super::marks::{self, MARK_STEP};
 use super::picture::Picture;
 use super::profile::ink_middle;
 use super::samples::{SPACING, Sample, length, samples};
+use super::scales::{Scales, scales};
 use super::view::{LENS, View};
 use nalgebra::{Isometry2, Matrix3, Point2, Translation2, Vector2, Vector3};
 use std::f64::consts::TAU;
@@ -67,6 +68,8 @@ pub struct Comparison {
     pub lens: f64,
     /// How far the lens moves a point of the strokes at most [m].
     pub lens_shift: f64,
+    /// Of the drawing; none where the marks were not measured, because they hide them.
+    pub scales: Option<Scales>,
     /// The greatest length on the paper that a pixel shows in the middle of the marks [m].
     pub pixel: f64,
     view: View,
@@ -164,6 +167,7 @@ pub fn compare(photo: &Photograph<'_>) -> Result<Comparison, PhotoError> {
         measured: SPACING * deviations.len() as f64,
         lens,
         lens_shift: deviations.iter().filter_map(shift).fold(0.0, f64::max),
+        scales: photo.measured.and_then(|_| scales(&deviations)),
         pixel: view.pixel_size(middle).ok_or(PhotoError::View)?,
         deviations,
         view,

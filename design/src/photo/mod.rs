@@ -18,6 +18,7 @@ mod marks;
 mod picture;
 mod profile;
 mod samples;
+mod scales;
 mod view;
 
 pub use compare::{Comparison, Deviation, Lens, Photograph, compare};
@@ -26,3 +27,4 @@ pub use error::PhotoError;
 pub use local::{LocalPoint, local_points};
 pub use marks::MARK_STEP;
 pub use picture::Picture;
+pub use scales::Scales;

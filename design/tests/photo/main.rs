@@ -290,3 +290,48 @@ fn a_picture_without_marks_or_of_another_job_is_refused() {
         Err(PhotoError::OtherJob(share)) if share < 0.1
     ));
 }
+
+/// A drawing on paper that has grown by 0.5 % in x and 0.3 % in y, and its marks, with errors of the arm besides.
+#[test]
+fn paper_that_grows_shows_its_scale_in_x_and_y() {
+    let growth = [5e-3, 3e-3];
+    let grown = |[x, y]: [f64; 2]| [x * (1.0 + growth[0]), y * (1.0 + growth[1])];
+    let field = Field {
+        size: 0.1e-3,
+        stretch: 0.0,
+    };
+    let mut paper = paper(field, EXACT);
+    for point in paper.strokes.iter_mut().flatten() {
+        *point = grown(*point);
+    }
+    let picture = photograph(&camera(0.0, 0.2), &paper);
+    let places = MARKS.map(Vector2::from);
+    let real = MARKS.map(|mark| Vector2::from(grown(mark)));
+    let pairs = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]];
+    let distances = pairs.map(|between| MarkDistance {
+        between,
+        length: (real[between[0]] - real[between[1]]).norm(),
+    });
+    let found = |measured| {
+        let compared = compare(&Photograph {
+            picture: &picture,
+            strokes: &drawing(),
+            marks: places,
+            measured,
+            lens: Lens::Known(0.0),
+            window: 1.5e-3,
+        });
+        compared.unwrap().scales
+    };
+    let scales = found(Some(measured_marks(places, &distances).unwrap())).unwrap();
+    println!("{scales:?}");
+    for ((factor, deviation), growth) in scales.factors.iter().zip(scales.deviations).zip(growth) {
+        assert!(
+            (factor - 1.0 - growth).abs() < 3.0 * deviation,
+            "{scales:?}"
+        );
+        assert!((2e-5..4e-4).contains(&deviation), "{scales:?}");
+    }
+    // Marks that the arm drew grow with the paper.
+    assert_eq!(found(None), None);
+}

@@ -153,7 +153,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "fivebar photo my.svg --robot my-arm.toml --draw-marks marks.gcode",
             "fivebar photo my.svg photo.jpg --robot my-arm.toml --marks marks.gcode",
-            "fivebar photo my.svg scan.png --marks marks.gcode --lens 0 --distances ruler.csv",
+            "fivebar photo my.svg scan.png --marks marks.gcode --lens 0 --distances ruler.csv --corrected my.gcode",
         ],
     ),
     (
@@ -176,13 +176,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &[
             "echo '{\"op\":\"inverse\",\"c\":[0.04,0.2],\"elbow1\":\"right\",\"elbow4\":\"left\"}' | fivebar query",
             "fivebar query --robot my-arm.toml < queries.jsonl",
-        ],
-    ),
-    (
-        "replay",
-        &[
-            "fivebar replay wave.json --robot my-arm.toml --port /dev/ttyUSB0 --speed 0.5",
-            "fivebar replay wave.json --out wave.svg",
         ],
     ),
     (
@@ -211,13 +204,6 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "fivebar sim my.gcode --origin 0.02,0.14 --scale 0.5 --log out/run.mcap",
             "fivebar sim scenario.toml --by-cause --json",
             "fivebar sim my.gcode --repeat 4 --learn",
-        ],
-    ),
-    (
-        "teach",
-        &[
-            "fivebar teach --robot my-arm.toml --port /dev/ttyUSB0 --out wave.json",
-            "fivebar teach --hand hand.csv --out wave.json",
         ],
     ),
     (

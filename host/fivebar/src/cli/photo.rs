@@ -15,7 +15,9 @@ use fivebar_report::output::{OutputFolder, write_whole};
 use fivebar_report::picture::drawing_errors;
 #[cfg(feature = "png")]
 use fivebar_report::picture::png;
-use fivebar_report::study::photo::{PhotoStudy, marks_job, marks_of, measured_places, strokes};
+use fivebar_report::study::photo::{
+    CorrectionError, PhotoStudy, corrected, marks_job, marks_of, measured_places, strokes,
+};
 use fivebar_report::text;
 use nalgebra::Vector2;
 use serde_json::json;
@@ -56,6 +58,10 @@ pub(super) struct Args {
     /// are near each other.
     #[arg(long, value_name = "FILE.csv", requires = "picture")]
     points: Option<PathBuf>,
+    /// Also write the job anew, so much smaller in x and y as the drawing is larger than it: as paper grows. Needs
+    /// --distances. Draw it with --origin 0,0.
+    #[arg(long, value_name = "FILE.gcode", requires = "distances")]
+    corrected: Option<PathBuf>,
     /// The folder for photo.svg and photo.csv; a program built with `--features png` also writes photo.png.
     #[arg(long, value_name = "DIR", default_value = "out/photo")]
     out: PathBuf,
@@ -154,6 +160,13 @@ fn measure(
         comparison,
     };
     write(args, scenario, &folder, &study)?;
+    if let Some(file) = &args.corrected {
+        let scales = study.comparison.scales;
+        let scales = scales.ok_or(CorrectionError::NoScales).map_err(refused)?;
+        let text = corrected(&job, start, scales.factors).map_err(refused)?;
+        leave_output_to(file);
+        write_whole(file, text).map_err(refused)?;
+    }
     if args.json {
         let picture = picture_file.display().to_string();
         let mut answer = study.answer(&scenario.job_file, &picture, &scenario.robot.name);

@@ -48,5 +48,13 @@ pub fn photo(study: &PhotoStudy, measured: bool, lens_known: bool) -> String {
                  map; measure the marks' distances for these (--distances)",
         }
     );
+    if let Some(scales) = &found.scales {
+        let ([x, y], [x_sd, y_sd]) = (scales.factors, scales.deviations);
+        let _ = writeln!(
+            text,
+            "  scales of the drawing: {x:.5} in x, {y:.5} in y (deviations {x_sd:.5}, {y_sd:.5}, and the share by which the \
+             marks' distances are off); --corrected writes the job that takes them away"
+        );
+    }
     text
 }

@@ -1,8 +1,10 @@
 //! A photograph of a finished drawing, compared with its job.
 
+mod corrected;
 mod marks;
 mod strokes;
 
+pub use corrected::{CorrectionError, corrected};
 pub use marks::{MarksError, marks_job, marks_of, measured_places};
 pub use strokes::{JobStrokes, strokes};
 
@@ -69,6 +71,10 @@ impl PhotoStudy {
             "pixel_m": found.pixel,
             "lens": found.lens,
             "lens_shift_m": found.lens_shift,
+            "scales": found.scales.map(|scales| json!({
+                "factors": scales.factors,
+                "deviations": scales.deviations,
+            })),
             "marks_m": self.marks.map(|mark| [mark.x, mark.y]),
         })
     }

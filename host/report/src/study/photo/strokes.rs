@@ -67,7 +67,7 @@ pub fn strokes(job: &Job, start: [f64; 2]) -> JobStrokes {
 }
 
 /// The points of an action after its start.
-fn points_of(from: [f64; 2], action: &Action, end: [f64; 2]) -> Vec<Vector2<f64>> {
+pub(super) fn points_of(from: [f64; 2], action: &Action, end: [f64; 2]) -> Vec<Vector2<f64>> {
     let Action::Arc {
         center, clockwise, ..
     } = *action
