@@ -76,7 +76,7 @@ pub const BOARDS: [Board; 6] = [
     REFERENCE,
     Board {
         name: "weact_f405",
-        what: "WeAct Studio STM32F405RGT6 core board V1.1: all pins are at its headers",
+        what: "WeAct Studio STM32F405RGT6 core board V1.1: all pins are at its headers; leave its card slot empty, which uses PA8 and PC8 to PC12",
         ..REFERENCE
     },
     Board {
@@ -93,7 +93,7 @@ pub const BOARDS: [Board; 6] = [
     },
     Board {
         name: "mcustm32f405",
-        what: "MCUSTM32F405 of STM32World: compare its headers, which nobody has done",
+        what: "MCUSTM32F405 of STM32World: compare its headers, which nobody has done; its SPI3 uses PA15 and PC10 to PC12",
         crystal: 16,
         ..REFERENCE
     },
@@ -120,7 +120,7 @@ pub const BOARDS: [Board; 6] = [
     },
     Board {
         name: "stm32f407ig",
-        what: "any board with an STM32F407IG, such as controllers of robot legs: compare its headers and crystal",
+        what: "any board with an STM32F407IG: compare its headers and crystal; PH11 of RoboMaster's board C has an LED, so only CAN is for it",
         crystal: 12,
         common: CommonPins {
             serial: [p(b'A', 9), p(b'B', 7)],
