@@ -20,5 +20,4 @@ pub mod safe_exit;
 pub mod segment;
 pub mod simulation;
 pub mod streaming;
-pub mod teaching;
 pub mod time_optimal;

@@ -12,6 +12,7 @@
 use super::ArmController;
 use super::model::AxisModel;
 use super::setpoint_history::{Belted, small_angle};
+use super::tracking::add_tool_friction;
 use crate::drives::Drives;
 use crate::safety::Fault;
 use fivebar_kinematics::control::BeltState;
@@ -108,10 +109,12 @@ impl<D: Drives> ArmController<D> {
         let [omega1d, omega4d] = setpoint.omega;
         let omega = [omega1d + state1.velocity, omega4d + state4.velocity];
         let [torque1, torque4] = equations.torques(&links, omega, setpoint.alpha);
-        let forward = [
+        let mut forward = [
             torque1 + axis1.friction.torque(omega1d),
             torque4 + axis4.friction.torque(omega4d),
         ];
+        let (drives, path) = (&self.drives, &self.path);
+        add_tool_friction(&mut forward, drives, path, &links, setpoint.omega);
         let [alpha1d, alpha4d] = setpoint.alpha;
         let leads = [
             law1.lead(forward[0] - rotor1 * alpha1d),

@@ -10,7 +10,7 @@ use super::joint::Joint;
 use super::model::AxisModel;
 use crate::drives::{Drives, WATCHED_EVERY};
 use crate::io::ArmSample;
-use crate::safety::State;
+use crate::safety::{Limits, State};
 use fivebar_kinematics::five_bar::Joint as Driven;
 
 /// Ticks in which each turn comes once; what concerns the path comes twice.
@@ -31,7 +31,10 @@ impl<D: Drives> ArmController<D> {
             1 | 9 => self.end_path(),
             2 => self.change_gains(Driven::Joint1),
             10 => self.change_gains(Driven::Joint4),
-            3 | 11 => self.correct_encoder(0, Joint::set_scale),
+            3 | 11 => {
+                self.correct_encoder(0, Joint::set_scale);
+                self.learn_inertia();
+            }
             4 => self.watch(Driven::Joint1),
             12 => self.watch(Driven::Joint4),
             5 | 13 => self.begin_pending_stop(),
@@ -90,6 +93,14 @@ impl<D: Drives> ArmController<D> {
         self.turn_brake();
     }
 
+    /// Lets the drives learn the arm's inertia by the errors of this tick.
+    #[inline(always)]
+    fn learn_inertia(&mut self) {
+        if !self.limits.contains(Limits::TORQUE) {
+            self.drives.learn_inertia(self.error);
+        }
+    }
+
     /// Advances a motor's heat by all turns at its current. The next tick switches off a motor that
     /// is too hot, or an arm that nobody commands.
     #[inline(always)]
@@ -131,7 +142,7 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     fn moves(&self) -> bool {
         match self.state {
-            State::Running | State::Stopping | State::Compliant => true,
+            State::Running | State::Stopping => true,
             State::Stopped
             | State::Homing
             | State::Exciting

@@ -2,6 +2,7 @@
 //! torques.
 
 use super::ArmController;
+use super::path::Path;
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
 use crate::drives::{Drives, Needs};
@@ -18,8 +19,7 @@ impl<D: Drives> ArmController<D> {
         // Where the joints should be, and where they will be, when the torque acts.
         let limits = self.advance()?;
         self.setpoint_history.keep(&self.setpoint);
-        // The field of a stepper is a spring, but no belt: its image has no such path.
-        if let (Needs::Torque, true) = (D::NEEDS, self.model.on_belts) {
+        if self.model.on_belts {
             let (torque, limited) = self.torques_on_belts()?;
             return Ok(TorqueCommand {
                 torque,
@@ -61,10 +61,13 @@ impl<D: Drives> ArmController<D> {
         let [axis1, axis4] = &self.model.axes;
         let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
         let alpha = match D::NEEDS {
-            Needs::Torque => [
-                loop1.acceleration(joint1.integral, alpha1d, error1, rate1),
-                loop4.acceleration(joint4.integral, alpha4d, error4, rate4),
-            ],
+            Needs::Torque => {
+                let times = 1.0 + self.drives.inertia_excess();
+                [
+                    loop1.acceleration(joint1.integral, times * alpha1d, error1, rate1),
+                    loop4.acceleration(joint4.integral, times * alpha4d, error4, rate4),
+                ]
+            }
             // The load of the motion itself: nothing is fed back.
             Needs::Motion => [alpha1d, alpha4d],
         };
@@ -78,14 +81,17 @@ impl<D: Drives> ArmController<D> {
             let [inertia1, inertia4] = self.model.nominal_inertia;
             [inertia1 * alpha1, inertia4 * alpha4]
         };
-        let demanded = [
+        let mut demanded = [
             torque1 + axis1.friction.torque(omega1d),
             torque4 + axis4.friction.torque(omega4d),
         ];
+        let (drives, path) = (&self.drives, &self.path);
+        add_tool_friction(&mut demanded, drives, path, &links, [omega1d, omega4d]);
         let (torque, limited) = self.model.torque_limit.apply(demanded);
         if let Needs::Torque = D::NEEDS {
             loop1.integrate(&mut joint1.integral, error1, limited);
             loop4.integrate(&mut joint4.integral, error4, limited);
+            self.drives.follow_motion([alpha1d, alpha4d]);
         }
         Ok(TorqueCommand {
             torque,
@@ -168,5 +174,23 @@ impl<D: Drives> ArmController<D> {
                 PoseError::NotFinite => Fault::NotANumber,
             })?;
         Ok(step.limits)
+    }
+}
+
+/// Adds the torques that overcome the friction of a tool that is on, at these demanded velocities of the joints [rad/s].
+#[inline(always)]
+pub(super) fn add_tool_friction<D: Drives>(
+    [torque1, torque4]: &mut [f32; 2],
+    drives: &D,
+    path: &Path,
+    links: &Links<f32>,
+    omega: [f32; 2],
+) {
+    if let Some(friction) = drives.tool_friction()
+        && !path.tool_is_off()
+    {
+        let [of1, of4] = friction.torque(links, omega);
+        *torque1 += of1;
+        *torque4 += of4;
     }
 }

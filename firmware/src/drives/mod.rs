@@ -16,9 +16,9 @@ mod encoder_tracking;
 mod excitation;
 mod interface;
 mod load_angle;
-mod resolution;
 mod step;
 mod step_loss;
+mod stiffness;
 mod torque;
 pub mod words;
 
@@ -26,18 +26,29 @@ use crate::safety::Fault;
 use crate::settings::{CheckedSettings, Settings};
 pub use brushed::{BrushedCommand, BrushedDrives, BrushedSample, MOST_DUTY};
 pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATION, LONGEST_PULSE};
+use fivebar_kinematics::control::ToolFriction;
 use fivebar_kinematics::five_bar::Joint;
 pub use interface::DriveInterface;
-pub use resolution::Resolution;
-pub use step::{BlindStepDrives, StepCommand, StepDrives, StepMotors, StepSample};
+pub use step::{Resolution, StepCommand, StepDrives, StepSample};
+pub use stiffness::DriveStiffness;
 pub use torque::{
-    DriveHealth, DriveStiffness, OLDEST_ANSWER, OLDEST_SAMPLE, TorqueDrives, TorqueSample,
-    TorqueSetPoint,
+    DriveHealth, OLDEST_ANSWER, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,
 };
 use words::SensedWords;
 
 /// Ticks from one watch of a joint's drive to the next, see [`Drives::watch_heat`].
 pub const WATCHED_EVERY: u32 = 16;
+/// Ticks from one time at which the arm's inertia is learnt to the next.
+pub const LEARNT_EVERY: u32 = WATCHED_EVERY / 2;
+
+/// Speed over which the sign of a tool's friction is smoothed [m/s].
+const SLOW_TOOL: f32 = 5e-3;
+
+/// The friction of the tool, if the settings state one.
+fn tool_friction(settings: &CheckedSettings) -> Option<ToolFriction<f32>> {
+    let force = settings.advanced.pen_friction;
+    (force > 0.0).then(|| ToolFriction::new(settings.tool(), force, SLOW_TOOL))
+}
 
 /// How far an arm has come to rest: each stage has gains of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +69,7 @@ pub struct Demand {
     /// τ1, τ4 [N·m].
     pub torque: [f32; 2],
     /// Whether the arm is to keep to its motion: it is not while it homes or crosses a singularity, with limited torques,
-    /// nor while a hand leads it or its brakes are tested.
+    /// nor while its brakes are tested.
     pub keeps_to_motion: bool,
     /// The joints' measured velocities [rad/s].
     pub velocity: [f32; 2],
@@ -188,6 +199,28 @@ pub trait Drives: Clone + Send {
 
     /// The fault that what is sensed, what was demanded and the joints' motion show together.
     fn contradiction(&mut self, joints: [JointState; 2]) -> Option<Fault>;
+
+    /// By which share the arm's inertia is more than that of the model, as far as the drives know: accelerations are demanded
+    /// as many times more.
+    #[inline(always)]
+    fn inertia_excess(&self) -> f32 {
+        0.0
+    }
+
+    /// Takes the demanded accelerations of a tick of an arm that follows its path [rad/s²].
+    #[inline(always)]
+    fn follow_motion(&mut self, _: [f32; 2]) {}
+
+    /// Learns the arm's inertia by the position errors of this tick [rad], once in [`LEARNT_EVERY`] ticks, unless its torques
+    /// are limited.
+    #[inline(always)]
+    fn learn_inertia(&mut self, _: [f32; 2]) {}
+
+    /// The friction of a tool that slides while it is on; none where the settings have none, and of drives that take no torque.
+    #[inline(always)]
+    fn tool_friction(&self) -> Option<&ToolFriction<f32>> {
+        None
+    }
 
     /// Makes the demanded torques; true if a limit of the drives clips one.
     fn drive(&mut self, demand: &Demand) -> bool;

@@ -1,12 +1,17 @@
 //! Drives that close their own current loops, and take a torque, as those on a bus do.
 
 use super::encoder_tracking::EncoderTracking;
+use super::stiffness::{DriveStiffness, loop_lag};
 use super::words::{PEAK_TORQUE, SensedWords};
-use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
+use super::{
+    DriveReport, Drives, Excitation, Excited, JointState, LEARNT_EVERY, Needs, Stage,
+    UnpoweredPlace, tool_friction,
+};
 use crate::drives::Demand;
 use crate::safety::Fault;
 use crate::settings::{AxisSettings, CheckedSettings, HomingMethod, Settings};
 use fivebar_kinematics::PlanarVector;
+use fivebar_kinematics::control::{InertiaAdaptation, InertiaExcess, PositionLoop, ToolFriction};
 use fivebar_kinematics::five_bar::Joint;
 use nalgebra::Vector2;
 
@@ -65,49 +70,6 @@ pub struct TorqueSetPoint {
     pub clear_errors: bool,
 }
 
-/// The spring and the damper that a drive makes itself, of its own encoder and many times in a tick. They answer what the
-/// tick's torques, which come late, cannot: friction and loads that the model does not know.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DriveStiffness {
-    /// k [N·m/rad].
-    pub stiffness: f32,
-    /// d [N·m·s/rad].
-    pub damping: f32,
-}
-
-/// The bandwidth of spring and damper, times what the drive's damper is late [1], and by how much less it is for each second
-/// of the current loop's lag [1/s]. The controller's own loop is late, too: beside a slow drive a stiffer spring would take of
-/// its margin, and beside a fast one give to it, up to here (`fivebar margins`, over the range of inertias).
-const PER_LAG: f32 = 0.6;
-const LESS_PER_LAG: f32 = 600.0;
-/// Its bounds [1].
-const PER_LAG_BOUNDS: [f32; 2] = [0.2, 0.3];
-/// What a drive tells its damper of its velocity is late by the current loop and by the tracking loop of its encoder: as
-/// many times the lag of the current loop, if both have the same bandwidth.
-const VELOCITY_LAGS: f32 = 3.0;
-
-impl DriveStiffness {
-    /// Of the drives of joint 1 and joint 4: k = I ω², d = 2 I ω of its inertia I.
-    pub fn of(settings: &CheckedSettings) -> [Self; 2] {
-        let ([axis1, axis4], [inertia1, inertia4]) = (&settings.axes, settings.nominal_inertia());
-        [(axis1, inertia1), (axis4, inertia4)].map(|(axis, inertia)| {
-            let lag = loop_lag(axis);
-            let [least, most] = PER_LAG_BOUNDS;
-            let per_lag = (PER_LAG - LESS_PER_LAG * lag).clamp(least, most);
-            let bandwidth = per_lag / (VELOCITY_LAGS * lag);
-            Self {
-                stiffness: inertia * bandwidth * bandwidth,
-                damping: 2.0 * inertia * bandwidth,
-            }
-        })
-    }
-}
-
-/// The lag of a drive's own current loop [s].
-fn loop_lag(axis: &AxisSettings) -> f32 {
-    axis.inductance / axis.resistance
-}
-
 /// Both torque drives. They guard their own motors: heat and over-current are theirs.
 ///
 /// The age of the counts that is usual belongs to the settings, as
@@ -125,6 +87,9 @@ pub struct TorqueDrives {
     set_point: TorqueSetPoint,
     /// Of the drives' own encoders.
     tracking: EncoderTracking,
+    /// The inertia of the arm beyond that of its model, which stays while the arm is off.
+    adaptation: InertiaAdaptation<f32>,
+    inertia: InertiaExcess<f32>,
     /// From the moment of the counts to the middle of the time for which a set-point acts [s].
     until_middle: [f32; 2],
     /// What the sample shows by itself.
@@ -140,6 +105,7 @@ pub struct TorqueDrives {
     current_per_torque: [f32; 2],
     /// The log's words per joint torque [1/(N·m)].
     words_per_torque: [f32; 2],
+    tool_friction: Option<ToolFriction<f32>>,
 }
 
 impl TorqueDrives {
@@ -155,6 +121,21 @@ impl TorqueDrives {
     /// [`Drives::lag`] at this tick rate [Hz] with drives whose current loops have this lag [s].
     pub fn lag_of(tick_rate: f32, loop_lag: f32) -> f32 {
         TRANSMISSION + 0.5 / tick_rate + loop_lag
+    }
+
+    /// What holds each joint, per its inertia [1/s²]: its drive's spring and the loop of the controller.
+    fn held_by(settings: &CheckedSettings) -> [f32; 2] {
+        let (control, [axis1, axis4]) = (&settings.control, &settings.axes);
+        let lag = Self::lag(settings, Stage::Moves);
+        let of = |axis: &AxisSettings, spring: DriveStiffness, inertia: f32| {
+            let lag = lag + axis.encoder_latency;
+            let period = 1.0 / control.tick_rate;
+            let position = PositionLoop::new(control.bandwidth, control.damping, lag, 0.0, period);
+            spring.stiffness / inertia + position.kp()
+        };
+        let ([spring1, spring4], [inertia1, inertia4]) =
+            (DriveStiffness::of(settings), settings.nominal_inertia());
+        [of(axis1, spring1, inertia1), of(axis4, spring4, inertia4)]
     }
 
     /// The log's words of the joints' torques [N·m], the nearest ones.
@@ -181,6 +162,12 @@ impl Drives for TorqueDrives {
             torque: [0.0; 2],
             set_point: TorqueSetPoint::default(),
             tracking: Self::tracking(settings),
+            adaptation: InertiaAdaptation::new(
+                Self::held_by(settings),
+                1.0 / settings.control.tick_rate,
+                LEARNT_EVERY,
+            ),
+            inertia: InertiaExcess::NONE,
             until_middle: [axis1, axis4]
                 .map(|axis| axis.encoder_latency + TRANSMISSION + 0.5 / settings.control.tick_rate),
             fault: None,
@@ -191,6 +178,7 @@ impl Drives for TorqueDrives {
             current_per_torque: [axis1, axis4]
                 .map(|axis| 1.0 / (axis.gear_ratio * axis.torque_constant)),
             words_per_torque: settings.peak_torque().map(|peak| PEAK_TORQUE / peak),
+            tool_friction: tool_friction(settings),
         }
     }
 
@@ -241,6 +229,26 @@ impl Drives for TorqueDrives {
     /// A drive that should give torque and tells that it gives none.
     fn contradiction(&mut self, _: [JointState; 2]) -> Option<Fault> {
         self.is_off.then_some(Fault::DriveError)
+    }
+
+    #[inline(always)]
+    fn inertia_excess(&self) -> f32 {
+        self.inertia.share()
+    }
+
+    #[inline(always)]
+    fn follow_motion(&mut self, alpha: [f32; 2]) {
+        self.adaptation.follow(&mut self.inertia, alpha);
+    }
+
+    #[inline(always)]
+    fn learn_inertia(&mut self, error: [f32; 2]) {
+        self.adaptation.learn(&mut self.inertia, error);
+    }
+
+    #[inline(always)]
+    fn tool_friction(&self) -> Option<&ToolFriction<f32>> {
+        self.tool_friction.as_ref()
     }
 
     #[inline(always)]
@@ -335,6 +343,7 @@ impl Drives for TorqueDrives {
     #[inline(always)]
     fn release(&mut self) {
         self.set_point = TorqueSetPoint::default();
+        self.inertia.rest();
     }
 
     fn watch_heat(&mut self, _: Joint) -> Option<Fault> {

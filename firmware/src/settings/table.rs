@@ -366,6 +366,11 @@ fields! {
             [""] = 0.8;
         all.advanced.motion_torque => 0.01 to 1
     }
+    PenFriction {
+        "advanced.pen_friction" as "advanced.pen_friction",
+        "Force by which a tool that is on is held back while it slides, fed forward" ["N"] = 0.0;
+        all.advanced.pen_friction => 0 to 10
+    }
 }
 
 // What a new number of the controller needs is a row above and a line here. Lines are added at the
@@ -373,6 +378,7 @@ fields! {
 advanced! {
     disarm_timeout: DisarmTimeout,
     motion_torque: MotionTorque,
+    pen_friction: PenFriction,
 }
 
 /// Numbers that other fields are checked with, or that every value fits.

@@ -124,7 +124,6 @@ fn tick(controller: &mut Controller, sample: &SensorSample) -> ActuatorCommand {
         State::Homing
         | State::Exciting
         | State::Crossing
-        | State::Compliant
         | State::Armed
         | State::Running
         | State::Stopping => true,
@@ -207,10 +206,9 @@ fn any_samples_requests_and_moves_keep_the_rules_of_the_tick() {
     seen.requests.assert_accepted(0.3);
     seen.moves.assert_accepted(0.07);
     for (count, state) in seen.ticks.iter().zip(State::ALL) {
-        // The settings of the bench allow no crossing, and no stream lets a hand lead the arm.
-        let left_out = matches!(state, State::Crossing | State::Compliant);
+        // The settings of the bench allow no crossing.
         assert!(
-            count.get() > 100 || left_out,
+            count.get() > 100 || state == State::Crossing,
             "{} ticks {state:?}",
             count.get()
         );

@@ -105,10 +105,9 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
 }
 
 fn stream_config() -> impl Strategy<Value = StreamConfig> {
-    let mode = prop::sample::select(vec![StreamMode::Tip, StreamMode::Joint, StreamMode::Free]);
-    (mode, any::<(u32, u16, u16)>()).prop_map(|(mode, (id, period, delay))| StreamConfig {
+    any::<(u32, bool, u16, u16)>().prop_map(|(id, joint, period, delay)| StreamConfig {
         id,
-        mode,
+        mode: [StreamMode::Tip, StreamMode::Joint][usize::from(joint)],
         period,
         delay,
     })
@@ -142,7 +141,6 @@ fn stream_state() -> impl Strategy<Value = StreamState> {
         StreamReason::Gap,
         StreamReason::Away(0.25),
         StreamReason::Limit(MoveErrorKind::Overload(4)),
-        StreamReason::Silent,
     ]);
     let progress = (
         phase,

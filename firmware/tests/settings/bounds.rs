@@ -61,11 +61,13 @@ fn either_joint_is_checked_by_its_number() {
 
 #[test]
 fn a_value_at_its_bound_is_allowed() {
-    let cases: [Change; 23] = [
+    let cases: [Change; 25] = [
         |s| s.advanced.disarm_timeout = 1.0,
         |s| s.advanced.disarm_timeout = 86_400.0,
         |s| s.advanced.motion_torque = 0.01,
         |s| s.advanced.motion_torque = 1.0,
+        |s| s.advanced.pen_friction = 0.0,
+        |s| s.advanced.pen_friction = 10.0,
         |s| s.control.tick_rate = 50_000.0,
         |s| s.control.current_bandwidth = 0.35 * s.control.tick_rate,
         |s| s.control.bandwidth = 0.25 * s.control.current_bandwidth,
@@ -99,9 +101,11 @@ fn a_value_at_its_bound_is_allowed() {
 
 #[test]
 fn a_value_just_beyond_its_bound_is_refused() {
-    let cases: [(Change, Field); 24] = [
+    let cases: [(Change, Field); 26] = [
         (|s| s.advanced.motion_torque = 0.009, Field::MotionTorque),
         (|s| s.advanced.motion_torque = 1.01, Field::MotionTorque),
+        (|s| s.advanced.pen_friction = -0.01, Field::PenFriction),
+        (|s| s.advanced.pen_friction = 10.1, Field::PenFriction),
         (|s| s.advanced.disarm_timeout = 0.99, Field::DisarmTimeout),
         (
             |s| s.advanced.disarm_timeout = 86_401.0,

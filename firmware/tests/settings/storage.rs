@@ -152,7 +152,7 @@ fn a_half_is_erased_as_a_whole_at_its_120th_save_and_at_no_other() {
 fn a_change_of_the_settings_gives_their_layout_a_new_number() {
     let fields = format!("{:?}", settings(0));
     let digest = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(fields.as_bytes());
-    assert_eq!((LAYOUT, digest), (11, 0x007e_6c59), "{fields}");
+    assert_eq!((LAYOUT, digest), (12, 0x8214_c57b), "{fields}");
 }
 
 /// The flash after five saves by older firmware, of which `shown` bytes at the beginning of each half were written.
@@ -165,11 +165,18 @@ fn flash_of(shown: &[u8]) -> Nor {
     flash
 }
 
+/// Settings of this number with the default of what the table of layout 11 lacks.
+fn before_layout_12(number: u16) -> Settings {
+    let mut settings = settings(number);
+    settings.advanced.pen_friction = AdvancedSettings::DEFAULT.pen_friction;
+    settings
+}
+
 /// Settings of this number without what layout 10 lacks.
 fn before_layout_11(number: u16) -> Settings {
     Settings {
         field_lags: [FieldLag::NONE; 2],
-        ..settings(number)
+        ..before_layout_12(number)
     }
 }
 
@@ -181,10 +188,11 @@ fn before_layout_10(number: u16) -> Settings {
 }
 
 /// What older firmware saved, and what its settings of this number are now: in layout 7 without `advanced`, in
-/// layout 8 with its first number, both without belts, and in layouts 9 and 10 with belts, without lags.
+/// layout 8 with its first number, both without belts, in layouts 9 and 10 with belts, without
+/// lags, and in layout 11 with two numbers, belts and lags.
 type Older = (&'static [u8], fn(u16) -> Settings);
 
-const OLDER: [Older; 4] = [
+const OLDER: [Older; 5] = [
     (include_bytes!("../data/layout_7.bin"), |number| Settings {
         advanced: AdvancedSettings::DEFAULT,
         belts: [BeltSettings::RIGID; 2],
@@ -196,6 +204,7 @@ const OLDER: [Older; 4] = [
     }),
     (include_bytes!("../data/layout_9.bin"), before_layout_10),
     (include_bytes!("../data/layout_10.bin"), before_layout_11),
+    (include_bytes!("../data/layout_11.bin"), before_layout_12),
 ];
 
 #[test]

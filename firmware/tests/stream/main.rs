@@ -7,4 +7,3 @@ mod host;
 
 mod cases;
 mod following;
-mod free;

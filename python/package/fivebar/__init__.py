@@ -45,7 +45,6 @@ from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
 from ._stream import Stream
 from ._synthesis import Design, design, dexterities
-from ._teaching import TaughtPath
 
 __all__ = [
     "Arm",
@@ -79,7 +78,6 @@ __all__ = [
     "StoppedError",
     "Stream",
     "StudyError",
-    "TaughtPath",
     "Trace",
     "UnreachableError",
     "built_in",

@@ -89,8 +89,8 @@ fn compensated(name: &str, gear: f64, cause: &str, alone: Mismatch) -> Option<St
         "tooth_mesh" => (PULLEY_TEETH as u32, MESH),
         "paper_growth" => return Some(text(&scaled(name, alone))),
         "pen_friction" => {
-            let has_loop = name != "benchtop_stepper";
-            return has_loop.then(|| text(&fed_forward(name, alone)));
+            let takes_torque = name != "benchtop_stepper";
+            return takes_torque.then(|| text(&fed_forward(name, alone)));
         }
         "cogging" | "torque_ripple" => return Some(text(&learnt(&demonstration(name, alone)))),
         _ => return None,
@@ -138,14 +138,10 @@ fn learnt(scenario: &Scenario) -> TipError {
     }
 }
 
-/// With the pen's friction in the joints' of the robot file, as the document has it.
+/// With the pen's friction in the robot file.
 fn fed_forward(name: &str, alone: Mismatch) -> TipError {
     let mut scenario = demonstration(name, alone);
-    scenario.arm = Some(scenario.robot.clone());
-    let [crank, ..] = scenario.robot.geometry.lengths();
-    for actuator in scenario.robot.actuators.as_mut().unwrap() {
-        actuator.coulomb_friction += 0.6 * alone.pen_friction * crank;
-    }
+    scenario.robot.advanced.pen_friction = alone.pen_friction as f32;
     error(&scenario)
 }
 
@@ -200,12 +196,16 @@ fn whole_table_of_what_a_bench_has_besides() {
     assert!(DOCUMENT.contains(&table), "{table}");
 }
 
-/// The rows of one effect that moves the arm and of one that moves the paper.
+/// The rows of effects that move the arm and of one that moves the paper.
 #[test]
-fn the_document_states_the_run_out_and_the_growth_that_are_found() {
-    let (name, gear) = ARMS[0];
-    let all = bench(name).alone();
-    for cause in ["pulley_run_out", "paper_growth"] {
+fn the_document_states_the_run_out_the_growth_and_the_pen_that_are_found() {
+    for ((name, gear), cause) in [
+        (ARMS[0], "pulley_run_out"),
+        (ARMS[0], "paper_growth"),
+        (ARMS[0], "pen_friction"),
+        (ARMS[3], "pen_friction"),
+    ] {
+        let all = bench(name).alone();
         let (_, alone) = all.iter().find(|(key, _)| *key == cause).unwrap();
         let size = text(&error(&demonstration(name, *alone)));
         let left = compensated(name, gear, cause, *alone).unwrap();

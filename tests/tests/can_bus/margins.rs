@@ -132,3 +132,28 @@ fn the_study_of_margins_agrees_with_the_equations_of_one_joint() {
         }
     }
 }
+
+/// Springs four times as stiff, with dampers twice as strong, swing where the arm is lightest: of the range of inertias, by
+/// Nyquist's criterion at all poses. Those in use do not.
+#[test]
+fn stiffer_springs_would_swing_in_some_pose_of_a_lighter_arm() {
+    let text = BuiltIn::find("leg").unwrap().text;
+    let leg = Robot::parse("leg.toml", &text.replace("= 3000.0", "= 1000.0")).unwrap();
+    let found = leg.bus_servos().unwrap().unwrap();
+    let swings = |times: f64| {
+        let arms = found.servos.iter().zip(&found.unlike);
+        let unstable = arms.flat_map(|((_, servo), unlike)| {
+            let law = servo.law(&leg.gains());
+            unlike.map(|mut arm| {
+                for drive in &mut arm.drives {
+                    drive.stiffness *= times * times;
+                    drive.damping *= times;
+                }
+                BusServo::margins(&arm.loci(&law)).is_none()
+            })
+        });
+        unstable.filter(|unstable| *unstable).count()
+    };
+    assert_eq!(swings(1.0), 0);
+    assert!(swings(2.0) > 0);
+}

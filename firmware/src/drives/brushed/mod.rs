@@ -6,13 +6,16 @@ mod motor_check;
 mod oscillation;
 
 use super::words::SensedWords;
-use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
+use super::{
+    DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace,
+    tool_friction,
+};
 use crate::drives::Demand;
 use crate::safety::Fault;
 use crate::settings::{CheckedSettings, Settings};
 use current_zeros::CurrentZeros;
 use fivebar_kinematics::Scalar;
-use fivebar_kinematics::control::Bus;
+use fivebar_kinematics::control::{Bus, ToolFriction};
 use fivebar_kinematics::five_bar::Joint;
 use motor::{Motor, MotorModel};
 use serde::{Deserialize, Serialize};
@@ -73,6 +76,7 @@ pub struct BrushedDrives {
     over_current: f32,
     models: [MotorModel; 2],
     zeros: CurrentZeros,
+    tool_friction: Option<ToolFriction<f32>>,
 }
 
 impl Drives for BrushedDrives {
@@ -108,7 +112,13 @@ impl Drives for BrushedDrives {
                 MotorModel::new(axis4, settings),
             ],
             zeros: CurrentZeros::new(settings),
+            tool_friction: tool_friction(settings),
         }
+    }
+
+    #[inline(always)]
+    fn tool_friction(&self) -> Option<&ToolFriction<f32>> {
+        self.tool_friction.as_ref()
     }
 
     /// The lag of the current loop, 1/ωc.

@@ -8,7 +8,6 @@
 
 mod piece;
 mod progress;
-mod touch;
 
 use super::{Planner, PlanningSnapshot};
 use crate::controller::{ArmController, Change, QueuedSegment, Splice};
@@ -86,12 +85,6 @@ impl Stream {
         takes && id == self.config.id
     }
 
-    /// Whether no point with this number or a later one has come.
-    fn is_next(&self, n: u16) -> bool {
-        let last = self.progress.last;
-        last.is_none_or(|last| (n.wrapping_sub(last) as i16) > 0)
-    }
-
     /// Takes no more points.
     fn end(&mut self, reason: StreamReason) {
         if self.takes(self.config.id) {
@@ -157,9 +150,6 @@ impl Planner {
         if !(fits && least <= delay && delay <= most) {
             return Err(StreamError::Rate);
         }
-        if config.mode == StreamMode::Free {
-            controller.lock(ArmController::begin_touch)?;
-        }
         // The arm goes on from where it is held, and so does what comes behind the stream.
         self.end = None;
         self.in_motion = None;
@@ -196,12 +186,7 @@ impl Planner {
         let Some(mut stream) = self.stream.filter(|stream| stream.takes(point.id)) else {
             return;
         };
-        let taken = match stream.config.mode {
-            StreamMode::Joint | StreamMode::Tip => {
-                self.follow_point(controller, &snapshot, &mut stream, n, point)
-            }
-            StreamMode::Free => Self::feed_touch(controller, &stream, n),
-        };
+        let taken = self.follow_point(controller, &snapshot, &mut stream, n, point);
         stream.note(n, taken);
         self.stream = Some(stream);
     }
@@ -241,9 +226,6 @@ impl Planner {
         let Some(stream) = self.stream.as_mut().filter(|stream| stream.is_active()) else {
             return;
         };
-        if stream.config.mode == StreamMode::Free {
-            return stream.watch_touch(controller, snapshot.state);
-        }
         let is_own = stream.path_generation == snapshot.path_generation;
         if !(is_own && snapshot.state.follows_paths()) {
             stream.end(StreamReason::Stopped);
@@ -286,7 +268,8 @@ impl Planner {
         }
         let now = controller.lock(|controller| controller.ticks());
         let ahead = point.due.wrapping_sub(now) as i32;
-        if !stream.is_next(n) {
+        let is_next = |last: u16| (n.wrapping_sub(last) as i16) > 0;
+        if !stream.progress.last.is_none_or(is_next) {
             return Err(StreamReason::Order);
         }
         if ahead <= 0 {
@@ -370,7 +353,7 @@ impl Planner {
                 ];
                 (NEAR.0, d1.max(d4))
             }
-            StreamMode::Tip | StreamMode::Free => (
+            StreamMode::Tip => (
                 NEAR.1,
                 (Vector2::new(point.position.0, point.position.1) - position).norm(),
             ),

@@ -165,6 +165,10 @@ pub(super) fn servos_fit(robot: &Robot, weights: [f64; 2], refusals: &mut Refusa
         let reason = "is for brushed motors: with hobby servos leave it out";
         refusals.add(Key::In("crossing", "allowed"), reason);
     }
+    if robot.advanced.pen_friction > 0.0 {
+        let reason = "is for drives that take a torque: a hobby servo takes an angle; leave it out";
+        refusals.add(Key::In("advanced", "pen_friction"), reason);
+    }
     for joint in Joint::ALL {
         let (actuator, weight) = (&actuators[joint], weights[joint.index()]);
         let Some(servo) = actuator.hobby_servo() else {

@@ -102,6 +102,28 @@ fn values_that_are_not_plausible_and_those_of_the_controller_are_answered_togeth
 }
 
 #[test]
+fn the_friction_of_a_pen_is_fed_forward_by_drives_that_take_a_torque() {
+    let with = |name: &str, force: &str| {
+        let text = fivebar_files::robot::BuiltIn::find(name).unwrap().text;
+        format!("{text}\n[advanced]\npen_friction = {force}\n")
+    };
+    for name in ["benchtop", "benchtop_belt", "leg"] {
+        let robot = Robot::parse("arm.toml", &with(name, "0.25")).unwrap();
+        assert_eq!(robot.settings().unwrap().advanced.pen_friction, 0.25);
+    }
+    for name in ["benchtop_stepper", "classroom_servo"] {
+        assert_refused(
+            &with(name, "0.25"),
+            &[(
+                "pen_friction = ",
+                "`pen_friction` of [advanced] is for drives that take a torque",
+            )],
+        );
+        assert!(Robot::parse("arm.toml", &with(name, "0.0")).is_ok());
+    }
+}
+
+#[test]
 fn a_number_of_the_controller_is_read_and_refused_with_its_line() {
     let with = |value: &str| changed(&[]) + "\n[advanced]\ndisarm_timeout = " + value + "\n";
     let timeout = |text: &str| {
