@@ -15,6 +15,7 @@ use fivebar_sim::live::{LiveArm, LiveError, LiveStream, Pace, Pending};
 use fivebar_sim::machine::{Machine, Signal};
 use fivebar_sim::simulation::fault_name;
 use fivebar_sim::streaming::{SetPoint, StreamOptions};
+use fivebar_sim::teaching::{TaughtPath, TeachError};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -156,6 +157,28 @@ impl Connection {
         }
         self.call(py, (progress, on_pause), |arm| arm.draw(&scenario, &job))?;
         Ok(job.warnings.iter().map(ToString::to_string).collect())
+    }
+
+    /// Lets a hand lead the arm for so long [s], or until it is stopped; returns what it has taught as JSON.
+    fn be_led(&self, py: Python<'_>, seconds: f64) -> PyResult<String> {
+        let mut record = None;
+        self.call(py, (None, None), |arm| {
+            let (pending, kept) = arm.be_led(seconds)?;
+            record = Some(kept);
+            Ok(pending)
+        })?;
+        let taught = py.detach(|| match &record {
+            Some(record) => self.arm.taught(record),
+            None => Err(LiveError::Teach(TeachError::Still)),
+        });
+        let taught = taught.map_err(|refusal| refused(py, refusal))?;
+        Ok(taught.to_json())
+    }
+
+    /// Does a taught motion, as JSON, again at a multiple of its speed.
+    fn replay(&self, py: Python<'_>, taught: &str, speed: f64) -> PyResult<()> {
+        let path = TaughtPath::parse(taught).map_err(|refusal| error::controller(py, refusal))?;
+        self.call(py, (None, None), |arm| arm.replay(&path, speed))
     }
 
     /// Begins a stream of set-points of the joints or of the tip: so many points per second, each there after a delay [s].
@@ -318,6 +341,17 @@ impl Connection {
             "bus_voltage": shown(Signal::BusVoltage, json!(f64::from(status.bus_voltage))),
         })
     }
+}
+
+/// A taught path, as JSON, in another form: "gcode" or "svg".
+#[pyfunction]
+pub(crate) fn taught_path_as(py: Python<'_>, taught: &str, form: &str) -> PyResult<String> {
+    let path = TaughtPath::parse(taught).map_err(|refusal| error::controller(py, refusal))?;
+    Ok(match form {
+        "gcode" => path.to_gcode(),
+        "svg" => path.to_svg(),
+        _ => path.to_json(),
+    })
 }
 
 /// A refused or ended call as an exception.

@@ -44,6 +44,8 @@ ELSEWHERE = {
     "man": "help()",
     "monitor": "of a controller",
     "new": "asks questions on the terminal",
+    "replay": "of a controller",
+    "teach": "of a controller",
     "pil": "of the emulated board; its figures are those of sim, with instructions",
     "serve": "of a browser",
     "settings": "of a controller",

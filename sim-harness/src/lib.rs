@@ -20,4 +20,5 @@ pub mod safe_exit;
 pub mod segment;
 pub mod simulation;
 pub mod streaming;
+pub mod teaching;
 pub mod time_optimal;

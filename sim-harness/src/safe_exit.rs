@@ -9,9 +9,12 @@ const REST: f32 = 0.05;
 /// Whether the arm still moves with power. A fault that holds the arm brings it to rest first.
 pub fn moves(status: &Status) -> bool {
     match status.state {
-        State::Running | State::Stopping | State::Crossing | State::Homing | State::Exciting => {
-            true
-        }
+        State::Running
+        | State::Stopping
+        | State::Crossing
+        | State::Compliant
+        | State::Homing
+        | State::Exciting => true,
         State::Fault => {
             is_held(status) && status.velocity.iter().any(|velocity| velocity.abs() > REST)
         }
@@ -30,6 +33,7 @@ pub fn ends_by_emergency_stop(status: &Status) -> bool {
         | State::Running
         | State::Stopping
         | State::Crossing
+        | State::Compliant
         | State::Homing
         | State::Exciting => true,
     }

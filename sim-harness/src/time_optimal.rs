@@ -6,7 +6,7 @@
 
 use crate::segment::segment;
 use fivebar_design::time_optimal::{
-    DrivenArm, JobPath, KnotInterval, PathPart, PathPiece, PlanError, PlanLimits, TimedPiece,
+    DrivenArm, JobPath, PathPart, PathPiece, PlanError, PlanLimits, Smoothing, TimedPiece,
     TimedRun, plan_timed,
 };
 use fivebar_files::robot::{MissingMasses, Robot, WorkspaceError};
@@ -76,10 +76,10 @@ const JOINT_SHARE: f64 = 0.98;
 const MOST_INERTIA: f64 = 30.0;
 /// Time between the knots of a plan's spline, on arms that are not on steppers [s].
 const INTERVAL: f64 = 4e-3;
-/// The least time between the knots of a plan's spline on steppers, of a rotor's period of swinging: in a quicker change
-/// of acceleration an arm that is not quite the file's swings too far, in a slower one the motion takes longer
+/// Half a swing of a rotor, of the period of the file's arm: of an arm that is 15 % heavier on motors that are 10 % weaker,
+/// ½ √(1.15/0.9). Such an arm needs the most torque, so it has the least left for a swing
 /// (docs/verify/stepper-motion.md).
-const OF_A_SWING: f64 = 0.5;
+const HALF_A_SWING: f64 = 0.565;
 /// The limits of the tool by which the look-ahead chooses between rounding a corner and stopping
 /// there: more than an arm's.
 const TOOL: MotionLimits<f64> = MotionLimits {
@@ -110,8 +110,7 @@ pub struct JobPlanner {
     arm: DrivenArm,
     envelope: Envelope<f64>,
     limits: PlanLimits,
-    /// Between the knots of a plan's spline.
-    interval: KnotInterval,
+    smoothing: Smoothing,
     waits: bool,
     /// [m/s].
     approach: f32,
@@ -177,9 +176,9 @@ impl JobPlanner {
                 tip_speed: None,
                 tip_acceleration: None,
             },
-            interval: match robot.swing_period() {
-                Some(swing) => KnotInterval::AtLeast(OF_A_SWING * swing),
-                None => KnotInterval::AtMost(INTERVAL),
+            smoothing: match robot.swing_period() {
+                Some(swing) => Smoothing::HalfSwing(HALF_A_SWING * swing),
+                None => Smoothing::Knots(INTERVAL),
             },
             waits: robot.tool_output.waits(),
             approach: robot.motion.max_speed as f32,
@@ -250,7 +249,7 @@ impl JobPlanner {
             &self.arm.in_mode(mode),
             &self.limits,
             &pieces,
-            self.interval,
+            self.smoothing,
         )
         .map_err(|error| TimeOptimalError::Plan(line, error))?;
         let timed = timed.iter().filter_map(|piece| {

@@ -29,4 +29,4 @@ pub use limits::{FallingTorque, PlanLimits};
 pub use path::{FourierSeries, PathPiece, PathPoint};
 pub use plan::plan;
 pub use run::{Run, RunSample};
-pub use timed::{KnotInterval, TimedPiece, TimedRun, plan_timed};
+pub use timed::{Smoothing, TimedPiece, TimedRun, plan_timed};

@@ -1,7 +1,7 @@
 //! A run as cubic pieces, each on one piece of its path: what a controller can follow.
 //!
 //! The least-time run is smoothed by a [`Spline`]. Where that passes a limit, x = ṡ² of the run is
-//! bounded lower there and for an interval before and after, and the run is planned again, until every limit holds in
+//! bounded lower there and for some time before and after, and the run is planned again, until every limit holds in
 //! the middle and at the ends of every cell.
 
 use super::demand::DrivenArm;
@@ -23,26 +23,47 @@ pub struct TimedPiece {
     pub duration: f64,
 }
 
-/// The time from one knot of a run's spline to the next, in which its acceleration changes evenly.
+/// How a run is smoothed: between two knots of its spline the acceleration changes evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum KnotInterval {
-    /// At most so long [s]: the shorter, the faster and the less smooth the run.
-    AtMost(f64),
-    /// At least so long [s]: no change of acceleration is quicker, also where a run is short.
-    AtLeast(f64),
+pub enum Smoothing {
+    /// The time between two knots is at most so long [s]: the shorter, the faster and the less smooth the run.
+    Knots(f64),
+    /// For drives that swing with twice this period [s]: the run is the mean of itself and of itself so much later. Each
+    /// change of acceleration comes in two halves, of which the second one ends the swing that the first one began
+    /// (a zero-vibration shaper: Singer and Seering, 1990).
+    HalfSwing(f64),
 }
 
-impl KnotInterval {
-    /// The number of intervals of a run that would take `total` [s] without it, and their time [s].
-    fn of(self, total: f64) -> (f64, f64) {
+/// The knots of a run's spline.
+struct Knots {
+    /// Their intervals in a run that is not smoothed.
+    count: f64,
+    /// [s].
+    interval: f64,
+    /// The intervals by which the second half of each change of acceleration is later.
+    later: usize,
+}
+
+impl Smoothing {
+    /// The knots of a run that would take `total` [s] without it.
+    fn of(self, total: f64) -> Knots {
         match self {
-            Self::AtMost(most) => {
+            Self::Knots(most) => {
                 let count = (total / most).ceil().max(FEWEST);
-                (count, total / count)
+                Knots {
+                    count,
+                    interval: total / count,
+                    later: 0,
+                }
             }
-            Self::AtLeast(least) => {
-                let count = (total / least).floor().max(FEWEST);
-                (count, (total / count).max(least))
+            Self::HalfSwing(half) => {
+                let interval = half / IN_HALF_A_SWING as f64;
+                Knots {
+                    // A run that does not fill its last interval goes on a little more slowly, so that none is shorter.
+                    count: (total / interval).ceil(),
+                    interval,
+                    later: IN_HALF_A_SWING,
+                }
             }
         }
     }
@@ -67,12 +88,14 @@ const ACCEPTED: f64 = 5e-3;
 const STEP: f64 = 1.0;
 /// Fewest intervals of a run.
 const FEWEST: f64 = 4.0;
+/// Intervals in half a swing: with more the run takes less longer, and has more pieces.
+const IN_HALF_A_SWING: usize = 4;
 /// Pieces shorter than this are merged into their neighbour [s].
 const SHORTEST: f64 = 2e-7;
 /// The longest slowing at the end, for limits that bounds of x do not keep.
 const SLOWEST: f64 = 1.5;
 
-/// The run along pieces that follow one another, from rest to rest, in cubics of this `interval`.
+/// The run along pieces that follow one another, from rest to rest, in cubics, smoothed like this.
 ///
 /// # Errors
 /// [`PlanError`], with s where it was found.
@@ -80,7 +103,7 @@ pub fn plan_timed(
     arm: &DrivenArm,
     limits: &PlanLimits,
     pieces: &[PathPiece],
-    interval: KnotInterval,
+    smoothing: Smoothing,
 ) -> Result<TimedRun, PlanError> {
     check(limits, pieces)?;
     let even_points = 2 + (Grid::length_of(pieces) / 1e-3).ceil() as usize;
@@ -89,8 +112,11 @@ pub fn plan_timed(
     let mut best: Option<(f64, Spline)> = None;
     for _ in 0..ROUNDS {
         let times = times(&solved);
-        let spline = smoothed(&solved, &times, interval);
-        let worst = bound(&solved, &times, &spline, &mut caps);
+        let knots = smoothing.of(times[times.len() - 1]);
+        let spline = smoothed(&solved, &times, &knots);
+        // What acts at a time is the run of an interval before and after, and of the time by which its half is later.
+        let around = spline.interval * (1.0 + 0.5 * knots.later as f64);
+        let worst = bound(&solved, &times, (&spline, around), &mut caps);
         if best.as_ref().is_none_or(|(least, _)| worst < *least) {
             best = Some((worst, spline));
         }
@@ -128,10 +154,13 @@ fn times(solved: &Solved<'_>) -> Vec<f64> {
 }
 
 /// The spline of a run at even times.
-fn smoothed(solved: &Solved<'_>, times: &[f64], interval: KnotInterval) -> Spline {
-    let total = times[times.len() - 1];
-    let (count, time) = interval.of(total);
-    let h = total / count;
+fn smoothed(solved: &Solved<'_>, times: &[f64], knots: &Knots) -> Spline {
+    let &Knots {
+        count,
+        interval,
+        later,
+    } = knots;
+    let h = times[times.len() - 1] / count;
     let (cells, x) = (&solved.grid.cells, &solved.x);
     let mut i = 0;
     let mut samples = Vec::with_capacity(count as usize + 1);
@@ -146,7 +175,14 @@ fn smoothed(solved: &Solved<'_>, times: &[f64], interval: KnotInterval) -> Splin
         samples.push(s.min(cells[i].s + cells[i].w));
     }
     samples.push(solved.grid.length());
-    Spline::new(&samples, time)
+    Spline::new(&mean_of_two(&samples, later), interval)
+}
+
+/// The mean of samples and of the same samples so many later.
+fn mean_of_two(samples: &[f64], later: usize) -> Vec<f64> {
+    let last = samples.len() - 1;
+    let mean = |k: usize| 0.5 * (samples[k.min(last)] + samples[k.saturating_sub(later)]);
+    (0..=last + later).map(mean).collect()
 }
 
 /// A point that moves along a spline by s.
@@ -203,11 +239,15 @@ fn excess_of(solved: &Solved<'_>, spline: &Spline) -> f64 {
     excesses(solved, spline).into_iter().fold(0.0, f64::max)
 }
 
-/// Bounds x lower where the spline passes a limit, and returns the greatest excess.
-fn bound(solved: &Solved<'_>, times: &[f64], spline: &Spline, caps: &mut [f64]) -> f64 {
+/// Bounds x lower for this time [s] around each place where the spline passes a limit, and returns the greatest excess.
+fn bound(
+    solved: &Solved<'_>,
+    times: &[f64],
+    (spline, around): (&Spline, f64),
+    caps: &mut [f64],
+) -> f64 {
     let excesses = excesses(solved, spline);
     let mut factors = vec![1.0_f64; caps.len()];
-    let around = spline.interval;
     for (i, &excess) in excesses
         .iter()
         .enumerate()
@@ -263,4 +303,68 @@ fn cut(spline: &Spline, pieces: &[PathPiece]) -> Vec<TimedPiece> {
         }
     }
     timed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    /// The swing that a run at full acceleration, forwards and then back, leaves in an undamped oscillator of this period [s],
+    /// of the one that its acceleration bends steadily.
+    fn swing_left(smoothing: Smoothing, period: f64) -> f64 {
+        const TOTAL: f64 = 0.0473;
+        let Knots {
+            count,
+            interval,
+            later,
+        } = smoothing.of(TOTAL);
+        let samples: Vec<f64> = (0..=count as usize)
+            .map(|k| {
+                let share = k as f64 / count;
+                let rest = 1.0 - share;
+                if share < 0.5 {
+                    2.0 * share * share
+                } else {
+                    1.0 - 2.0 * rest * rest
+                }
+            })
+            .collect();
+        let spline = Spline::new(&mean_of_two(&samples, later), interval);
+        // x″ + ω² x = s̈: what is left is |∫ s̈ exp(jωt) dt|/ω, by its definition in small steps.
+        let (omega, parts) = (TAU / period, 200);
+        let (mut re, mut im) = (0.0, 0.0);
+        for k in 0..spline.len() {
+            let start = spline.start(k);
+            for part in 0..parts {
+                let t = (f64::from(part) + 0.5) * spline.interval / f64::from(parts);
+                let [.., a, _] = super::later(start, t);
+                let angle = omega * (k as f64 * spline.interval + t);
+                re += a * angle.cos() * spline.interval / f64::from(parts);
+                im += a * angle.sin() * spline.interval / f64::from(parts);
+            }
+        }
+        let greatest = 4.0 / (TOTAL * TOTAL);
+        re.hypot(im) / omega / (greatest / (omega * omega))
+    }
+
+    #[test]
+    fn a_run_in_two_halves_leaves_no_swing_of_its_period_and_hardly_any_of_one_near_it() {
+        for half in [5.5e-3, 7.1e-3] {
+            let left = |period| swing_left(Smoothing::HalfSwing(half), period);
+            assert!(left(2.0 * half) < 1e-3, "{}", left(2.0 * half));
+            for off in [0.85, 1.15] {
+                // cos(π/2 · 1/off) of the 4 that three changes, of 1, 2 and 1, leave at most.
+                let bound = 4.0 * (0.5 * PI / off).cos().abs();
+                assert!(
+                    left(2.0 * half * off) < bound,
+                    "{off}: {}",
+                    left(2.0 * half * off)
+                );
+            }
+            let without =
+                [0.9, 1.0, 1.1].map(|off| swing_left(Smoothing::Knots(1e-3), 2.0 * half * off));
+            assert!(without.into_iter().fold(0.0, f64::max) > 1.0, "{without:?}");
+        }
+    }
 }

@@ -72,10 +72,10 @@ impl<D: Drives> ArmController<D> {
     pub(super) fn stopping_fault(&self) -> Option<Fault> {
         match self.state {
             State::Running if self.path.runs_short() => Some(Fault::QueueUnderrun),
-            State::Running | State::Stopping if self.host_timed_out() => {
+            State::Running | State::Stopping | State::Compliant if self.host_timed_out() => {
                 Some(Fault::CommandTimeout)
             }
-            State::Running | State::Stopping | State::Stopped => None,
+            State::Running | State::Stopping | State::Compliant | State::Stopped => None,
             State::Homing | State::Exciting | State::Crossing | State::Armed | State::Fault => None,
         }
     }

@@ -233,7 +233,11 @@ impl<D: Drives> ArmController<D> {
         self.brake.takes_time()
             && self.waking == 0
             && match self.state {
-                State::Armed | State::Running | State::Stopping | State::Homing => true,
+                State::Armed
+                | State::Running
+                | State::Stopping
+                | State::Compliant
+                | State::Homing => true,
                 State::Fault => self.controlled_stop,
                 State::Stopped | State::Exciting | State::Crossing => false,
             }
@@ -252,8 +256,8 @@ impl<D: Drives> ArmController<D> {
         }
         self.state.after(event).ok_or(self.state)?;
         match self.state {
-            // Running accepts this event.
-            State::Running => self.dispatch(Event::Stop)?,
+            // Both accept this event.
+            State::Running | State::Compliant => self.dispatch(Event::Stop)?,
             // A path that waits for the brakes is not begun.
             State::Armed => self.forget_path(),
             State::Stopping
@@ -310,7 +314,7 @@ impl<D: Drives> ArmController<D> {
             State::Armed => true,
             State::Fault => !self.moves_under_fault(),
             State::Homing => self.homing.iter().all(|state| state.rate == 0.0),
-            State::Running | State::Stopping => false,
+            State::Running | State::Stopping | State::Compliant => false,
             State::Stopped | State::Exciting | State::Crossing => {
                 return self.brake.stay_powered();
             }
@@ -395,7 +399,8 @@ impl<D: Drives> ArmController<D> {
             | State::Running
             | State::Stopping
             | State::Exciting
-            | State::Crossing => {}
+            | State::Crossing
+            | State::Compliant => {}
         }
     }
 }

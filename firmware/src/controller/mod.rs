@@ -23,6 +23,7 @@ mod status;
 mod streaming;
 mod tick;
 mod time_slices;
+mod touch;
 mod tracking;
 mod transitions;
 
@@ -62,6 +63,8 @@ use setpoint::Setpoint;
 use setpoint_history::SetpointHistory;
 pub use status::{JointReference, Snapshot, Status};
 pub(crate) use streaming::Splice;
+use touch::Touch;
+pub(crate) use touch::{TouchError, TouchPhase};
 use transitions::Latched;
 
 /// The controller of an arm with brushed motors on H-bridges.
@@ -122,6 +125,7 @@ pub struct ArmController<D: Drives> {
     /// Goes up whenever the path is dropped before its end.
     path_generation: u32,
     crossing: Crossing,
+    touch: Touch,
 }
 
 /// Writes the values of a new controller twice: as a controller, and each in its place in RAM. So the stack holds no
@@ -211,6 +215,7 @@ fresh_controller! { checked;
     missed_ticks: 0,
     path_generation: 0,
     crossing: Crossing::none(),
+    touch: Touch::new::<D>(checked),
 }
 
 impl<D: Drives> ArmController<D> {

@@ -27,6 +27,8 @@ pub(super) enum ControlMode {
     Homing,
     /// Cross a singularity.
     Crossing,
+    /// Give way to forces on the arm.
+    Compliant,
     /// Hold or follow the path.
     Tracking,
 }
@@ -37,7 +39,7 @@ impl ControlMode {
     pub(super) fn is_powered(self) -> bool {
         match self {
             Self::Off => false,
-            Self::Waking | Self::Homing | Self::Crossing | Self::Tracking => true,
+            Self::Waking | Self::Homing | Self::Crossing | Self::Compliant | Self::Tracking => true,
         }
     }
 }
@@ -98,6 +100,7 @@ impl<D: Drives> ArmController<D> {
             ControlMode::Off | ControlMode::Waking => return self.off(),
             ControlMode::Homing => self.home(sample),
             ControlMode::Crossing => self.cross().map(Some),
+            ControlMode::Compliant => self.comply().map(Some),
             ControlMode::Tracking => self.track().map(Some),
         };
         let torques = match torques {
@@ -170,6 +173,11 @@ impl<D: Drives> ArmController<D> {
             State::Exciting => ControlMode::Waking,
             State::Homing => ControlMode::Homing,
             State::Crossing => ControlMode::Crossing,
+            // Other drives do not get into this state, so their images have no code for it.
+            State::Compliant => match D::NEEDS {
+                Needs::Torque => ControlMode::Compliant,
+                Needs::Motion => ControlMode::Off,
+            },
             State::Armed | State::Running | State::Stopping | State::Fault => ControlMode::Tracking,
         }
     }
@@ -226,7 +234,11 @@ impl<D: Drives> ArmController<D> {
     fn keeps_to_motion(&self) -> bool {
         match self.state {
             State::Armed | State::Running | State::Stopping | State::Fault => true,
-            State::Stopped | State::Homing | State::Exciting | State::Crossing => false,
+            State::Stopped
+            | State::Homing
+            | State::Exciting
+            | State::Crossing
+            | State::Compliant => false,
         }
     }
 

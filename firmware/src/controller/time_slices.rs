@@ -142,7 +142,7 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     fn moves(&self) -> bool {
         match self.state {
-            State::Running | State::Stopping => true,
+            State::Running | State::Stopping | State::Compliant => true,
             State::Stopped
             | State::Homing
             | State::Exciting

@@ -19,7 +19,8 @@ impl<D: Drives> ArmController<D> {
         // Where the joints should be, and where they will be, when the torque acts.
         let limits = self.advance()?;
         self.setpoint_history.keep(&self.setpoint);
-        if self.model.on_belts {
+        // The field of a stepper is a spring, but no belt: its image has no such path.
+        if let (Needs::Torque, true) = (D::NEEDS, self.model.on_belts) {
             let (torque, limited) = self.torques_on_belts()?;
             return Ok(TorqueCommand {
                 torque,

@@ -3,7 +3,7 @@
 
 use super::ArmController;
 use super::joint::Joint;
-use crate::drives::{DriveReport, Drives};
+use crate::drives::{DriveReport, Drives, Needs};
 use crate::safety::{Event, Fault, Response, State};
 
 /// One joint in the tick that raised a fault.
@@ -67,9 +67,15 @@ impl<D: Drives> ArmController<D> {
             (State::Armed, Event::Finish) => self.path.finish(),
             (State::Armed, Event::Stop | Event::Rest) => self.forget_path(),
             (State::Stopping, _) => self.path.brake(),
+            (State::Compliant, Event::Stop) => self.touch.end(),
             (State::Fault, _) if self.controlled_stop => self.path.brake(),
             (
-                State::Armed | State::Running | State::Exciting | State::Crossing | State::Fault,
+                State::Armed
+                | State::Running
+                | State::Exciting
+                | State::Crossing
+                | State::Compliant
+                | State::Fault,
                 _,
             ) => {}
         }
@@ -83,9 +89,10 @@ impl<D: Drives> ArmController<D> {
     #[inline(never)]
     pub fn latch_fault(&mut self, fault: Fault) {
         match (fault.response(), self.state) {
-            (Response::ControlledStop, State::Armed | State::Running | State::Stopping) => {
-                self.begin_controlled_stop(fault);
-            }
+            (
+                Response::ControlledStop,
+                State::Armed | State::Running | State::Stopping | State::Compliant,
+            ) => self.begin_controlled_stop(fault),
             (Response::ControlledStop, State::Fault) => {
                 let _ = self.dispatch(Event::Fault);
             }
@@ -148,10 +155,10 @@ impl<D: Drives> ArmController<D> {
         }
     }
 
-    /// The arm has come to rest: at the end of its path, or after a stop.
+    /// The arm has come to rest: at the end of its path, after a stop, or where it has given way.
     #[inline(always)]
     pub(super) fn come_to_rest(&mut self) {
-        // Each state has its own call, so that only its own transition is compiled into it. Both
+        // Each state has its own call, so that only its own transition is compiled into it. They
         // accept their event.
         match self.state {
             State::Running => {
@@ -160,9 +167,18 @@ impl<D: Drives> ArmController<D> {
             State::Stopping => {
                 let _ = self.dispatch(Event::Rest);
             }
+            // Other drives do not get into it.
+            State::Compliant if D::NEEDS == Needs::Torque => {
+                let _ = self.dispatch(Event::Rest);
+            }
             // The arm is held until the fault is cleared.
             State::Fault => self.forget_path(),
-            State::Stopped | State::Homing | State::Exciting | State::Crossing | State::Armed => {}
+            State::Stopped
+            | State::Homing
+            | State::Exciting
+            | State::Crossing
+            | State::Compliant
+            | State::Armed => {}
         }
     }
 

@@ -13,7 +13,7 @@
 //! behind by more than its load. The settings know by how much a rotor without load lags at each speed
 //! ([`FieldLag`]), and the field leads by that as well.
 
-use super::step::Resolution;
+use super::resolution::Fineness;
 use crate::settings::FieldLag;
 use core::f32::consts::PI;
 use fivebar_kinematics::Scalar;
@@ -28,10 +28,6 @@ pub(super) struct LoadAngle {
     compliance: f32,
     /// Of the rotor behind its field, at the joint's speed.
     lag: FieldLag,
-    /// That lag at the speed of some ticks ago, in the direction of the field [rad].
-    lags: f32,
-    /// The joint's speed [rad/s].
-    speed: f32,
     /// Whether the motor turns against its joint.
     is_reversed: bool,
     /// What of the micro-steps made is lead.
@@ -48,8 +44,6 @@ impl LoadAngle {
                 0.0
             },
             lag,
-            lags: 0.0,
-            speed: 0.0,
             is_reversed: gear_ratio < 0.0,
             made: 0,
         }
@@ -61,33 +55,16 @@ impl LoadAngle {
         self.made
     }
 
-    /// The micro-steps by which the field should lead, for this torque [N·m] and the lag at the speed [rad/s] of the joint some
-    /// ticks ago: as before, for no torque and for one that is not a number.
+    /// The micro-steps by which the field should lead for this torque [N·m] at the joint's speed [rad/s]: as before, for no torque
+    /// and for one that is not a number.
     #[inline(always)]
-    pub(super) fn wanted(
-        &mut self,
-        torque: Option<f32>,
-        speed: f32,
-        resolution: Resolution,
-    ) -> f32 {
-        self.speed = speed;
+    pub(super) fn wanted(&self, torque: Option<f32>, speed: f32, fineness: &Fineness) -> f32 {
         let Some(torque) = torque.filter(|torque| Scalar::is_finite(*torque)) else {
             return self.made as f32;
         };
-        let periods = 0.25 * f32::from(resolution.full_steps);
-        let sine = (torque * self.compliance * periods).clamp(-MOST, MOST);
-        (arcsine(sine) + self.lags) * (2.0 / PI) * f32::from(resolution.microsteps)
-    }
-
-    /// Takes the lag at the present speed: not in every tick, because the lag changes slowly.
-    #[inline(always)]
-    pub(super) fn follow_lag(&mut self) {
-        let speed = if self.is_reversed {
-            -self.speed
-        } else {
-            self.speed
-        };
-        self.lags = self.lag.at(speed);
+        let sine = (torque * self.compliance * fineness.periods).clamp(-MOST, MOST);
+        let lag = self.lag.at(if self.is_reversed { -speed } else { speed });
+        (arcsine(sine) + lag) * (2.0 / PI) * fineness.per_full_step
     }
 
     /// The field leads by so many micro-steps.
@@ -107,18 +84,22 @@ fn arcsine(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drives::Resolution;
 
-    const NEMA17: Resolution = Resolution {
-        full_steps: 200,
-        microsteps: 16,
-    };
+    fn nema17() -> Fineness {
+        let resolution = Resolution {
+            full_steps: 200,
+            microsteps: 16,
+        };
+        Fineness::new(resolution, 0.0)
+    }
 
     #[test]
     fn a_field_that_leads_gives_the_torque() {
         for gear_ratio in [4.0_f32, -3.0] {
             let holding = 0.4;
             let stiffness = gear_ratio * gear_ratio * 50.0 * holding;
-            let mut lead = LoadAngle::new(gear_ratio, stiffness, FieldLag::NONE);
+            let lead = LoadAngle::new(gear_ratio, stiffness, FieldLag::NONE);
             for (share, within) in [
                 (-0.9_f32, 2e-2),
                 (-0.3, 1e-5),
@@ -127,7 +108,7 @@ mod tests {
                 (0.6, 1e-3),
             ] {
                 let torque = share * holding * gear_ratio;
-                let micro_steps = lead.wanted(Some(torque), 0.0, NEMA17);
+                let micro_steps = lead.wanted(Some(torque), 0.0, &nema17());
                 // N times the motor's angle.
                 let electric = 50.0 * micro_steps * core::f32::consts::TAU / 3200.0;
                 let given = gear_ratio * holding * electric.sin();
@@ -141,15 +122,15 @@ mod tests {
     fn the_lead_stays_within_three_quarters_of_a_full_step_and_without_a_torque_as_it_is() {
         let mut lead = LoadAngle::new(4.0, 320.0, FieldLag::NONE);
         for torque in [1e3, f32::MAX] {
-            assert!((11.0..12.0).contains(&lead.wanted(Some(torque), 0.0, NEMA17)));
-            assert!((-12.0..-11.0).contains(&lead.wanted(Some(-torque), 0.0, NEMA17)));
+            assert!((11.0..12.0).contains(&lead.wanted(Some(torque), 0.0, &nema17())));
+            assert!((-12.0..-11.0).contains(&lead.wanted(Some(-torque), 0.0, &nema17())));
         }
         lead.make(7);
         for torque in [None, Some(f32::NAN), Some(f32::INFINITY)] {
-            assert_eq!(lead.wanted(torque, 30.0, NEMA17), 7.0);
+            assert_eq!(lead.wanted(torque, 30.0, &nema17()), 7.0);
         }
-        let mut unknown = LoadAngle::new(4.0, 0.0, FieldLag::NONE);
-        assert_eq!(unknown.wanted(Some(1.0), 0.0, NEMA17), 0.0);
+        let unknown = LoadAngle::new(4.0, 0.0, FieldLag::NONE);
+        assert_eq!(unknown.wanted(Some(1.0), 0.0, &nema17()), 0.0);
     }
 
     #[test]
@@ -167,10 +148,8 @@ mod tests {
             (-4.0, 20.0, -1.0),
             (4.0, 14.0, 0.0),
         ] {
-            let mut lead = LoadAngle::new(gear_ratio, 320.0, lag);
-            lead.wanted(Some(0.0), speed, NEMA17);
-            lead.follow_lag();
-            let wanted = lead.wanted(Some(0.0), speed, NEMA17);
+            let lead = LoadAngle::new(gear_ratio, 320.0, lag);
+            let wanted = lead.wanted(Some(0.0), speed, &nema17());
             assert!((wanted - sign * expected).abs() < 1e-4, "{wanted}");
         }
     }

@@ -16,6 +16,7 @@ mod encoder_tracking;
 mod excitation;
 mod interface;
 mod load_angle;
+mod resolution;
 mod step;
 mod step_loss;
 mod stiffness;
@@ -29,7 +30,8 @@ pub use excitation::{Excitation, Excited, FARTHEST_EXCITATION, LONGEST_EXCITATIO
 use fivebar_kinematics::control::ToolFriction;
 use fivebar_kinematics::five_bar::Joint;
 pub use interface::DriveInterface;
-pub use step::{Resolution, StepCommand, StepDrives, StepSample};
+pub use resolution::Resolution;
+pub use step::{BlindStepDrives, StepCommand, StepDrives, StepMotors, StepSample};
 pub use stiffness::DriveStiffness;
 pub use torque::{
     DriveHealth, OLDEST_ANSWER, OLDEST_SAMPLE, TorqueDrives, TorqueSample, TorqueSetPoint,
@@ -69,7 +71,7 @@ pub struct Demand {
     /// τ1, τ4 [N·m].
     pub torque: [f32; 2],
     /// Whether the arm is to keep to its motion: it is not while it homes or crosses a singularity, with limited torques,
-    /// nor while its brakes are tested.
+    /// nor while a hand leads it or its brakes are tested.
     pub keeps_to_motion: bool,
     /// The joints' measured velocities [rad/s].
     pub velocity: [f32; 2],

@@ -1,6 +1,7 @@
 //! Step and direction: stepper motors that make the micro-steps to their set-points.
 
 use super::load_angle::LoadAngle;
+use super::resolution::{Fineness, Resolution};
 use super::step_loss::StepLoss;
 use super::words::SensedWords;
 use super::{DriveReport, Drives, Excitation, Excited, JointState, Needs, Stage, UnpoweredPlace};
@@ -12,40 +13,6 @@ use fivebar_kinematics::five_bar::Joint;
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-
-/// How finely a motor steps: as its driver is set, which the board knows. The default, 0, is that of a motor without an
-/// encoder: a turn has as many micro-steps as the axis settings have counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Resolution {
-    /// Full steps in a turn of the motor.
-    pub full_steps: u16,
-    /// Micro-steps in a full step.
-    pub microsteps: u16,
-}
-
-impl Resolution {
-    /// Micro-steps in a turn of the motor.
-    pub(super) fn per_turn(self) -> f32 {
-        f32::from(self.full_steps) * f32::from(self.microsteps)
-    }
-
-    /// A resolution with so many micro-steps in a turn, for a motor whose counts are its micro-steps: with 200 full steps if
-    /// it can be. How both share them changes no more than how far the lead of a heavy load is from proportional. None for
-    /// a number that it cannot express, an odd one above 65 535.
-    fn of_turn(microsteps: u32) -> Self {
-        if let (0, Ok(microsteps)) = (microsteps % 200, u16::try_from(microsteps / 200)) {
-            return Self {
-                full_steps: 200,
-                microsteps,
-            };
-        }
-        let zeros = microsteps.trailing_zeros().min(15);
-        Self {
-            full_steps: u16::try_from(microsteps >> zeros).unwrap_or(0),
-            microsteps: 1 << zeros,
-        }
-    }
-}
 
 /// The micro-steps that are made so far, and what they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,8 +30,14 @@ pub struct StepCommand {
     pub steps: [i32; 2],
 }
 
-/// Both stepper drives. Each makes the micro-steps that lead from where its motor is told to be to the set-point, and the
-/// lead of its field by the load.
+/// Both stepper drives of an arm whose motors may have encoders.
+pub type StepDrives = StepMotors<true>;
+
+/// Both stepper drives of a board that reads no encoders: without the work that only encoders need.
+pub type BlindStepDrives = StepMotors<false>;
+
+/// Both stepper drives, whose motors may have encoders or not. Each makes the micro-steps that lead from where its motor is
+/// told to be to the set-point, and the lead of its field by the load.
 ///
 /// Without an encoder, the counts of the sample are the micro-steps made: the controller takes the place that the motor
 /// is told, less the lead, for the place where it is, and no check sees a motor that has lost steps. The axis settings
@@ -80,15 +53,15 @@ pub struct StepCommand {
 /// [`UnpoweredPlace::Lost`]. A hobby servo keeps its place: the counts are the pulse, to which the loop in its case
 /// returns when power comes. The settings show it by [`HomingMethod::Absolute`].
 #[derive(Clone)]
-pub struct StepDrives {
-    axes: [Axis; 2],
+pub struct StepMotors<const ENCODERS: bool> {
+    axes: [Axis<ENCODERS>; 2],
     /// The counts show the angles by themselves.
     is_absolute: bool,
 }
 
 /// One joint's motor.
 #[derive(Clone)]
-struct Axis {
+struct Axis<const ENCODERS: bool> {
     /// Motor turns per radian of the joint, negative if the motor turns against it.
     turns: f32,
     /// The most motor turns in a tick.
@@ -97,19 +70,20 @@ struct Axis {
     load_angle: LoadAngle,
     /// Micro-steps made until this tick.
     made: i32,
+    /// Of the motor's sample.
     resolution: Resolution,
-    has_encoder: bool,
-    /// The resolution of a motor whose counts are its micro-steps.
-    counted: Resolution,
+    fineness: Fineness,
     /// Micro-steps to make until the next one.
     steps: i32,
+    /// The fineness of a motor whose counts are its micro-steps.
+    counted: Fineness,
 }
 
 /// The joints' speeds that steps are made for, over the greatest speed of the settings: what a set-point that has
 /// waited for the drives catches up with.
 const MARGIN: f32 = 1.5;
 
-impl Drives for StepDrives {
+impl<const ENCODERS: bool> Drives for StepMotors<ENCODERS> {
     type Sample = StepSample;
     type Command = StepCommand;
 
@@ -144,12 +118,9 @@ impl Drives for StepDrives {
         let StepSample { steps, resolution } = *sample;
         for ((axis, made), resolution) in self.axes.iter_mut().zip(steps).zip(resolution) {
             axis.made = made;
-            axis.has_encoder = resolution.full_steps > 0;
-            axis.resolution = if axis.has_encoder {
-                resolution
-            } else {
-                axis.counted
-            };
+            if ENCODERS && resolution != axis.resolution {
+                axis.take(resolution);
+            }
         }
     }
 
@@ -237,7 +208,7 @@ impl Drives for StepDrives {
 
     fn unpowered_place(&self) -> UnpoweredPlace {
         let [axis1, axis4] = &self.axes;
-        if self.is_absolute || axis1.has_encoder && axis4.has_encoder {
+        if self.is_absolute || axis1.has_encoder() && axis4.has_encoder() {
             UnpoweredPlace::Kept
         } else {
             UnpoweredPlace::Lost
@@ -255,15 +226,7 @@ impl Drives for StepDrives {
         }
     }
 
-    /// In its place the lag of the motor's currents.
-    #[inline(always)]
-    fn watch_heat(&mut self, joint: Joint) -> Option<Fault> {
-        let [axis1, axis4] = &mut self.axes;
-        let axis = match joint {
-            Joint::Joint1 => axis1,
-            Joint::Joint4 => axis4,
-        };
-        axis.load_angle.follow_lag();
+    fn watch_heat(&mut self, _: Joint) -> Option<Fault> {
         None
     }
 
@@ -288,31 +251,52 @@ impl Drives for StepDrives {
     fn excite(&mut self, _: Joint, _: Excited, _: f32, _: f32) {}
 }
 
-impl Axis {
+impl<const ENCODERS: bool> Axis<ENCODERS> {
     fn new(axis: &AxisSettings, stiffness: f32, lag: FieldLag, tick_rate: f32) -> Self {
         let turns = axis.gear_ratio * (1.0 / TAU);
+        let fastest = MARGIN * axis.max_speed * Scalar::abs(turns) / tick_rate;
+        let counted = Fineness::new(Resolution::of_turn(axis.encoder_counts), fastest);
         Self {
             turns,
-            fastest: MARGIN * axis.max_speed * Scalar::abs(turns) / tick_rate,
+            fastest,
             step_loss: StepLoss::new(axis.encoder_counts, tick_rate),
             load_angle: LoadAngle::new(axis.gear_ratio, stiffness, lag),
-            has_encoder: false,
             made: 0,
             resolution: Resolution::default(),
-            counted: Resolution::of_turn(axis.encoder_counts),
+            fineness: counted,
             steps: 0,
+            counted,
         }
     }
 
+    /// The sample has another resolution than the one before.
+    fn take(&mut self, resolution: Resolution) {
+        self.resolution = resolution;
+        self.fineness = if self.has_encoder() {
+            Fineness::new(resolution, self.fastest)
+        } else {
+            self.counted
+        };
+    }
+
+    #[inline(always)]
+    fn has_encoder(&self) -> bool {
+        ENCODERS && self.resolution.full_steps > 0
+    }
+
+    /// Where the micro-steps are the counts, none is lost.
     #[inline(always)]
     fn fault(&mut self, counts: i32) -> Option<Fault> {
+        if !self.has_encoder() {
+            return None;
+        }
         let told = self.made.wrapping_sub(self.load_angle.made());
-        self.step_loss.fault(counts, told, self.resolution)
+        self.step_loss.fault(counts, told, &self.fineness)
     }
 
     #[inline(always)]
     fn counts(&self, counts: i32) -> i32 {
-        if self.has_encoder {
+        if self.has_encoder() {
             counts
         } else {
             counts.wrapping_sub(self.load_angle.made())
@@ -330,17 +314,17 @@ impl Axis {
         velocity: f32,
         load: Option<f32>,
     ) -> bool {
-        if velocity != 0.0 {
+        if ENCODERS && velocity != 0.0 {
             self.step_loss.moves();
         }
-        let per_turn = self.resolution.per_turn();
         let gap = Vector2::unit(counted).cross_z(set_point.into());
-        // `as` cuts: one more.
-        let most = (self.fastest * per_turn) as i32 + 1;
-        let lead = self.load_angle.wanted(load, velocity, self.resolution);
+        let lead = self.load_angle.wanted(load, velocity, &self.fineness);
         let led = lead - self.load_angle.made() as f32;
-        let micro_steps = gap * self.turns * per_turn + self.step_loss.ahead() + led;
-        let (steps, limited) = whole(micro_steps, most);
+        let mut micro_steps = gap * self.turns * self.fineness.per_turn;
+        if self.has_encoder() {
+            micro_steps += self.step_loss.ahead();
+        }
+        let (steps, limited) = whole(micro_steps + led, self.fineness.most);
         self.load_angle.make(whole(lead, i32::MAX).0);
         self.steps = steps;
         limited
@@ -512,10 +496,13 @@ mod tests {
     #[test]
     fn without_an_encoder_a_turn_has_the_micro_steps_of_the_settings() {
         for counts in [3200, 6400, 51_200, 102_400, 768, 3210] {
-            let turn = Resolution::of_turn(counts).per_turn();
+            let turn = Fineness::new(Resolution::of_turn(counts), 0.0).per_turn;
             assert_eq!(turn, counts as f32);
         }
-        assert_eq!(Resolution::of_turn(65_537).per_turn(), 0.0);
+        assert_eq!(
+            Fineness::new(Resolution::of_turn(65_537), 0.0).per_turn,
+            0.0
+        );
         let mut settings = Settings::BENCHTOP;
         for axis in &mut settings.axes {
             (axis.encoder_counts, axis.gear_ratio) = (3200, 4.0);

@@ -10,6 +10,8 @@ pub enum StreamMode {
     Joint,
     /// x, y of the tool in the frame of the base [m] and its velocity [m/s].
     Tip,
+    /// Nothing: a hand leads the arm, and its points are the host's signs of life.
+    Free,
 }
 
 /// How a stream of set-points begins, where the arm is held.
@@ -35,7 +37,7 @@ pub struct StreamPoint {
     pub id: u32,
     /// The controller's tick in which the set-point is there.
     pub due: u32,
-    /// θ1, θ4 [rad] or x, y [m].
+    /// θ1, θ4 [rad] or x, y [m]; those of the mode Free mean nothing.
     pub position: (f32, f32),
     /// Its velocity [rad/s or m/s].
     pub velocity: (f32, f32),

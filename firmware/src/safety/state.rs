@@ -61,6 +61,11 @@ pub enum State {
     /// Entry: from Armed by a move. Exit: to Armed at its end; to Stopped, bridges off, by a
     /// disarm. A stop waits for the end, because an arm cannot stop in the singularity.
     Crossing,
+    /// Giving way to forces on the arm: a hand leads it.
+    ///
+    /// Entry: from Armed by a stream in the mode Free. Exit: to Armed, damped and then held, at the stream's end, by a stop, or
+    /// without signs of life of the host; to Stopped by a disarm.
+    Compliant,
 }
 
 /// What can happen in a state. The conditions for arming and for clearing a fault are checked
@@ -92,11 +97,13 @@ pub enum Event {
     Excite,
     /// Cross a singularity.
     Cross,
+    /// Give way to forces on the arm.
+    Yield,
 }
 
 impl State {
     /// All states.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Stopped,
         Self::Homing,
         Self::Armed,
@@ -105,6 +112,7 @@ impl State {
         Self::Fault,
         Self::Exciting,
         Self::Crossing,
+        Self::Compliant,
     ];
 
     /// Whether the arm follows paths, or begins to when it gets one.
@@ -116,6 +124,7 @@ impl State {
             | Self::Homing
             | Self::Exciting
             | Self::Crossing
+            | Self::Compliant
             | Self::Stopping
             | Self::Fault => false,
         }
@@ -135,7 +144,12 @@ impl State {
             (Self::Stopped, Event::Disarm | Event::Stop | Event::Clear) => Some(Self::Stopped),
             (
                 Self::Stopped,
-                Event::Homed | Event::Begin | Event::Finish | Event::Rest | Event::Cross,
+                Event::Homed
+                | Event::Begin
+                | Event::Finish
+                | Event::Rest
+                | Event::Cross
+                | Event::Yield,
             ) => None,
 
             (Self::Homing, Event::Homed | Event::Stop | Event::Disarm) => Some(Self::Stopped),
@@ -148,7 +162,8 @@ impl State {
                 | Event::Rest
                 | Event::Clear
                 | Event::Excite
-                | Event::Cross,
+                | Event::Cross
+                | Event::Yield,
             ) => None,
 
             (Self::Exciting, Event::Finish | Event::Stop | Event::Disarm) => Some(Self::Stopped),
@@ -161,11 +176,13 @@ impl State {
                 | Event::Rest
                 | Event::Clear
                 | Event::Excite
-                | Event::Cross,
+                | Event::Cross
+                | Event::Yield,
             ) => None,
 
             (Self::Armed, Event::Begin) => Some(Self::Running),
             (Self::Armed, Event::Cross) => Some(Self::Crossing),
+            (Self::Armed, Event::Yield) => Some(Self::Compliant),
             (Self::Armed, Event::Disarm) => Some(Self::Stopped),
             (Self::Armed, Event::Arm | Event::Stop) => Some(Self::Armed),
             (
@@ -189,7 +206,8 @@ impl State {
                 | Event::Rest
                 | Event::Clear
                 | Event::Excite
-                | Event::Cross,
+                | Event::Cross
+                | Event::Yield,
             ) => None,
 
             (Self::Stopping, Event::Rest) => Some(Self::Armed),
@@ -204,7 +222,8 @@ impl State {
                 | Event::Finish
                 | Event::Clear
                 | Event::Excite
-                | Event::Cross,
+                | Event::Cross
+                | Event::Yield,
             ) => None,
 
             (Self::Crossing, Event::Finish) => Some(Self::Armed),
@@ -218,7 +237,23 @@ impl State {
                 | Event::Rest
                 | Event::Clear
                 | Event::Excite
-                | Event::Cross,
+                | Event::Cross
+                | Event::Yield,
+            ) => None,
+
+            (Self::Compliant, Event::Rest) => Some(Self::Armed),
+            (Self::Compliant, Event::Disarm) => Some(Self::Stopped),
+            (Self::Compliant, Event::Stop | Event::Arm) => Some(Self::Compliant),
+            (
+                Self::Compliant,
+                Event::Home
+                | Event::Homed
+                | Event::Begin
+                | Event::Finish
+                | Event::Clear
+                | Event::Excite
+                | Event::Cross
+                | Event::Yield,
             ) => None,
 
             (Self::Fault, Event::Clear) => Some(Self::Stopped),
@@ -233,7 +268,8 @@ impl State {
                 | Event::Stop
                 | Event::Rest
                 | Event::Excite
-                | Event::Cross,
+                | Event::Cross
+                | Event::Yield,
             ) => None,
 
             (
@@ -244,7 +280,8 @@ impl State {
                 | Self::Stopping
                 | Self::Fault
                 | Self::Exciting
-                | Self::Crossing,
+                | Self::Crossing
+                | Self::Compliant,
                 Event::Fault,
             ) => Some(Self::Fault),
         }
@@ -253,11 +290,15 @@ impl State {
 
 #[cfg(test)]
 mod tests {
-    use super::Event::{Arm, Begin, Clear, Cross, Disarm, Excite, Finish, Home, Homed, Rest, Stop};
-    use super::State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
+    use super::Event::{
+        Arm, Begin, Clear, Cross, Disarm, Excite, Finish, Home, Homed, Rest, Stop, Yield,
+    };
+    use super::State::{
+        Armed, Compliant, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping,
+    };
     use super::{Event, State};
 
-    const EVENTS: [Event; 12] = [
+    const EVENTS: [Event; 13] = [
         Arm,
         Disarm,
         Home,
@@ -270,10 +311,11 @@ mod tests {
         Clear,
         Excite,
         Cross,
+        Yield,
     ];
 
     /// Row by state, column by event; `None` if the event is not accepted.
-    const TABLE: [[Option<State>; 12]; 8] = {
+    const TABLE: [[Option<State>; 13]; 9] = {
         const S: Option<State> = Some(Stopped);
         const H: Option<State> = Some(Homing);
         const A: Option<State> = Some(Armed);
@@ -282,17 +324,19 @@ mod tests {
         const F: Option<State> = Some(Fault);
         const X: Option<State> = Some(Exciting);
         const C: Option<State> = Some(Crossing);
+        const Y: Option<State> = Some(Compliant);
         const N: Option<State> = None;
         [
-            //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear Excite Cross
-            [A, S, H, N, N, N, S, N, F, S, X, N], // Stopped
-            [N, S, N, S, N, A, S, N, F, N, N, N], // Homing
-            [A, S, N, N, R, N, A, N, F, N, N, C], // Armed
-            [R, S, N, N, R, A, P, N, F, N, N, N], // Running
-            [N, S, N, N, N, N, P, A, F, N, N, N], // Stopping
-            [N, N, N, N, N, N, N, N, F, S, N, N], // Fault
-            [N, S, N, N, N, S, S, N, F, N, N, N], // Exciting
-            [C, S, N, N, N, A, C, N, F, N, N, N], // Crossing
+            //  Arm Disarm Home Homed Begin Finish Stop Rest Fault Clear Excite Cross Yield
+            [A, S, H, N, N, N, S, N, F, S, X, N, N], // Stopped
+            [N, S, N, S, N, A, S, N, F, N, N, N, N], // Homing
+            [A, S, N, N, R, N, A, N, F, N, N, C, Y], // Armed
+            [R, S, N, N, R, A, P, N, F, N, N, N, N], // Running
+            [N, S, N, N, N, N, P, A, F, N, N, N, N], // Stopping
+            [N, N, N, N, N, N, N, N, F, S, N, N, N], // Fault
+            [N, S, N, N, N, S, S, N, F, N, N, N, N], // Exciting
+            [C, S, N, N, N, A, C, N, F, N, N, N, N], // Crossing
+            [Y, S, N, N, N, N, Y, A, F, N, N, N, N], // Compliant
         ]
     };
 

@@ -57,6 +57,13 @@ impl Settings {
             .map(|axis| Scalar::abs(axis.gear_ratio) * axis.torque_constant * axis.peak_current)
     }
 
+    /// The joints' torques at the motors' continuous currents [N·m].
+    pub fn continuous_torque(&self) -> [f32; 2] {
+        self.axes.map(|axis| {
+            Scalar::abs(axis.gear_ratio) * axis.torque_constant * axis.continuous_current
+        })
+    }
+
     /// Whether a pose is on the branch and keeps the margin from singularities.
     fn keeps_margin(&self, tool: &Tool<f32>, pose: &Pose<f32>) -> bool {
         tool.working_mode(pose) == self.working_mode()

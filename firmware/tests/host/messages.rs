@@ -105,9 +105,10 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
 }
 
 fn stream_config() -> impl Strategy<Value = StreamConfig> {
-    any::<(u32, bool, u16, u16)>().prop_map(|(id, joint, period, delay)| StreamConfig {
+    let mode = prop::sample::select(vec![StreamMode::Tip, StreamMode::Joint, StreamMode::Free]);
+    (mode, any::<(u32, u16, u16)>()).prop_map(|(mode, (id, period, delay))| StreamConfig {
         id,
-        mode: [StreamMode::Tip, StreamMode::Joint][usize::from(joint)],
+        mode,
         period,
         delay,
     })
@@ -141,6 +142,7 @@ fn stream_state() -> impl Strategy<Value = StreamState> {
         StreamReason::Gap,
         StreamReason::Away(0.25),
         StreamReason::Limit(MoveErrorKind::Overload(4)),
+        StreamReason::Silent,
     ]);
     let progress = (
         phase,

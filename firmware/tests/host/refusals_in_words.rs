@@ -28,6 +28,8 @@ fn every_end_of_a_stream_reads_as_a_sentence() {
         StreamError::State(State::Stopped),
         StreamError::Moving,
         StreamError::Rate,
+        StreamError::NoTorque,
+        StreamError::Belts,
     ];
     differ(&begun.map(|error| error.to_string()));
     let texts = [
@@ -41,6 +43,7 @@ fn every_end_of_a_stream_reads_as_a_sentence() {
         StreamReason::Gap,
         StreamReason::Away(0.25),
         StreamReason::Limit(MoveErrorKind::Overload(4)),
+        StreamReason::Silent,
     ]
     .map(|reason| reason.to_string());
     differ(&texts);

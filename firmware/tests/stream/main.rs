@@ -7,3 +7,4 @@ mod host;
 
 mod cases;
 mod following;
+mod free;

@@ -28,6 +28,7 @@ mod position;
 mod thermal;
 mod tool_friction;
 mod torque_limit;
+mod walls;
 
 pub use belt::{Belt, BeltDemand, BeltGains, BeltLaw, BeltState};
 pub use current::{Bus, CurrentLoop, CurrentState, Drive};
@@ -39,3 +40,4 @@ pub use position::{Integral, PositionLoop};
 pub use thermal::{MotorHeat, MotorHeating};
 pub use tool_friction::ToolFriction;
 pub use torque_limit::TorqueLimit;
+pub use walls::{WallLimits, WallPush, Walls};

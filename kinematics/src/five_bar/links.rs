@@ -83,7 +83,33 @@ impl<S: Scalar> Geometry<S> {
     }
 }
 
+/// How fast links 2 and 3 turn while one driven joint turns at 1 rad/s and the other rests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartialRates<S> {
+    /// ∂θ2/∂θ1, ∂θ2/∂θ4.
+    pub link2: [S; 2],
+    /// ∂θ3/∂θ1, ∂θ3/∂θ4.
+    pub link3: [S; 2],
+}
+
 impl<S: Scalar> Links<S> {
+    /// ω21 = r3×r1/X, ω24 = −r3×r4/X, ω31 = r2×r1/X, ω34 = −r2×r4/X.
+    #[inline(always)]
+    pub fn partial_rates(&self) -> PartialRates<S> {
+        let Self {
+            ab: r1,
+            bc: r2,
+            dc: r3,
+            ed: r4,
+            cross,
+        } = *self;
+        let per_cross = S::ONE / cross;
+        PartialRates {
+            link2: [r3.cross_z(r1) * per_cross, r4.cross_z(r3) * per_cross],
+            link3: [r2.cross_z(r1) * per_cross, r4.cross_z(r2) * per_cross],
+        }
+    }
+
     /// The links of a pose.
     pub fn of(pose: &Pose<S>, geometry: &Geometry<S>) -> Self {
         let (bc, dc) = (pose.c - pose.b, pose.c - pose.d);

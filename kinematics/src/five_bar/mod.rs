@@ -31,7 +31,7 @@ pub use geometry::Geometry;
 pub use jacobian::{InverseJacobian, Jacobian};
 pub use joint::Joint;
 pub use limits::{JointLimitError, JointLimits};
-pub use links::Links;
+pub use links::{Links, PartialRates};
 pub(crate) use motion::per_sine;
 pub use motion::{Accelerations, Velocities};
 pub use pose::Pose;

@@ -9,8 +9,8 @@ use super::dyad::Dyad;
 use super::inverse::{Leg4, refusal1};
 use super::motion::per_sine;
 use super::{
-    Accelerations, Geometry, GeometryError, Pose, PoseError, Side, Singularity, Velocities,
-    WorkingMode,
+    Accelerations, Geometry, GeometryError, Links, PartialRates, Pose, PoseError, Side,
+    Singularity, Velocities, WorkingMode,
 };
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
@@ -115,6 +115,24 @@ impl<S: Scalar> Tool<S> {
     #[inline]
     pub fn point(&self, pose: &Pose<S>) -> Vector2<S> {
         pose.c + self.offset.to_base_frame(pose.u2)
+    }
+
+    /// B to T of these links [m].
+    #[inline(always)]
+    pub fn from_b(&self, links: &Links<S>) -> Vector2<S> {
+        let [_, per_l2, ..] = self.geometry.per_length();
+        links.bc + self.offset.to_base_frame(links.bc * per_l2)
+    }
+
+    /// ∂rT/∂θ1 = r1⊥ + ω21 BT⊥ and ∂rT/∂θ4 = ω24 BT⊥ [m]: the columns of the tool's Jacobian.
+    #[inline(always)]
+    pub fn jacobian_of(&self, links: &Links<S>, rates: &PartialRates<S>) -> [Vector2<S>; 2] {
+        let turned = self.from_b(links).perpendicular();
+        let [omega21, omega24] = rates.link2;
+        [
+            links.ab.perpendicular() + turned * omega21,
+            turned * omega24,
+        ]
     }
 
     /// ṙT = ṙC + ω2 t⊥ [m/s], t = rT − rC.

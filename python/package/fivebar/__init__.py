@@ -45,6 +45,7 @@ from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
 from ._stream import Stream
 from ._synthesis import Design, design, dexterities
+from ._teaching import TaughtPath
 
 __all__ = [
     "Arm",
@@ -78,6 +79,7 @@ __all__ = [
     "StoppedError",
     "Stream",
     "StudyError",
+    "TaughtPath",
     "Trace",
     "UnreachableError",
     "built_in",

@@ -15,6 +15,7 @@ from ._errors import FivebarError
 from ._shapes import pair
 from ._simulation import scenario_of
 from ._stream import Stream
+from ._teaching import TaughtPath
 
 Pair = Tuple[float, float]
 
@@ -28,7 +29,7 @@ class ArmState:
     """What a controller tells of its arm. Pairs are (joint 1, joint 4) or (x, y)."""
 
     #: ``"Stopped"`` (motors off), ``"Homing"``, ``"Armed"`` (motors on, at rest), ``"Running"``, ``"Stopping"``,
-    #: ``"Crossing"``, ``"Exciting"`` or ``"Fault"``.
+    #: ``"Crossing"``, ``"Exciting"``, ``"Compliant"`` (a hand leads it) or ``"Fault"``.
     state: str
     #: The latched fault; None if there is none.
     fault: Optional[str]
@@ -188,6 +189,21 @@ class LiveArm:
             _positive("rate", rate),
             None if delay is None else _positive("delay", delay),
         )
+
+    def free(self, seconds: float) -> TaughtPath:
+        """Lets a hand lead the arm for so long [s], or until :meth:`stop`; then it is held. Returns the motion of its tip.
+
+        The motors are on and give way; they carry the arm's weight and a part of its friction. Walls keep it within its angles and
+        away from singularities. Arms on steppers, hobby servos and belts refuse. See ``docs/use/streaming.md``.
+        """
+        return TaughtPath(self._connection.be_led(_positive("seconds", seconds)))
+
+    def replay(self, path: TaughtPath, *, speed: float = 1.0) -> None:
+        """Does a taught motion again, at this multiple of its speed, 0.05 to 5. It is checked as a whole before anything moves.
+
+        Raises :class:`fivebar.ControllerError` with the reason and a possible speed, if the arm cannot follow it so fast.
+        """
+        self._connection.replay(path._text, _positive("speed", speed))
 
     def stop(self) -> None:
         """Ends the call that another thread waits for: the arm comes to rest on its path, with its motors on.

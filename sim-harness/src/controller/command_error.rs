@@ -43,6 +43,7 @@ fn while_in(state: State) -> &'static str {
         State::Armed => "while the arm is armed: disarm it first",
         State::Running => "while the arm is moving: stop it first",
         State::Crossing => "while the arm crosses a singularity: wait until it rests",
+        State::Compliant => "while a hand leads the arm: end that first",
         State::Stopping => "while the arm is stopping: wait until it rests",
         State::Fault => "while a fault is latched: clear it, then arm",
     }

@@ -214,7 +214,7 @@ mod tests {
     fn moving(trace: Trace) -> Session {
         let robot = Robot::load("benchtop").unwrap();
         let clock = Clock::simulated();
-        let line = Tracer::new(simulated::line(&robot, &clock).unwrap(), trace);
+        let line = Tracer::new(simulated::line(&robot, &clock, None).unwrap(), trace);
         let line: Box<dyn Connection> = Box::new(line);
         let (client, _) = Client::open(line).unwrap();
         let settings = robot.settings().unwrap().check().unwrap();

@@ -1,11 +1,11 @@
 //! The simulated arm, whatever turns its joints, moved by a controller in this process in real time or by a board in
 //! lockstep.
 
-use super::Connection;
 use super::pace::Pacer;
+use super::{Connection, Hand};
 use crate::clock::Clock;
 use crate::link::{Client, EmulatedDrives, LinkError, Loopback};
-use crate::simulation::{RunError, SimulatedArm, WithArm, with_arm};
+use crate::simulation::{ByHand, RunError, SimulatedArm, WithArm, with_arm};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::ArmCommand;
@@ -20,14 +20,20 @@ fn scenario(robot: &Robot) -> Scenario {
 }
 
 /// A controller in this process that moves the simulated arm by this clock.
-pub(super) fn line(robot: &Robot, clock: &Clock) -> Result<Box<dyn Connection>, RunError> {
-    let line = with_arm(&scenario(robot), InRealTime { robot, clock })??;
+pub(super) fn line(
+    robot: &Robot,
+    clock: &Clock,
+    hand: Option<Hand>,
+) -> Result<Box<dyn Connection>, RunError> {
+    let in_real_time = InRealTime { robot, clock, hand };
+    let line = with_arm(&scenario(robot), in_real_time)??;
     Ok(line)
 }
 
 struct InRealTime<'a> {
     robot: &'a Robot,
     clock: &'a Clock,
+    hand: Option<Hand>,
 }
 
 impl WithArm for InRealTime<'_> {
@@ -35,13 +41,19 @@ impl WithArm for InRealTime<'_> {
 
     fn with<P>(self, mut arm: P) -> Self::Output
     where
-        P: SimulatedArm<Interface: EmulatedDrives> + Send + 'static,
+        P: SimulatedArm<Interface: EmulatedDrives> + ByHand + Send + 'static,
     {
         let robot = self.robot;
+        let mut hand = self.hand;
         let rate = robot.control.tick_rate;
         let mut pace = Pacer::new(rate, self.clock);
         let step = move |command: &ArmCommand<<P::Interface as DriveInterface>::Command>| {
             pace.tick();
+            if let Some(hand) = &mut hand {
+                let plant = arm.plant_mut();
+                let (tip, velocity) = (plant.tool(), plant.model().tool_velocity(plant.state()));
+                plant.set_tool_force(hand.force(plant.time(), tip, velocity));
+            }
             arm.step(command, 1.0 / rate);
             arm.sense()
         };
@@ -76,7 +88,7 @@ impl WithArm for InLockstep<'_> {
 
     fn with<P>(self, arm: P) -> Self::Output
     where
-        P: SimulatedArm<Interface: EmulatedDrives> + Send + 'static,
+        P: SimulatedArm<Interface: EmulatedDrives> + ByHand + Send + 'static,
     {
         let rate = self.robot.control.tick_rate;
         Box::new(Stepped {

@@ -1,5 +1,6 @@
 //! The controller that is chosen: simulated, emulated, or on a port.
 
+use super::Hand;
 use super::session::Session;
 use super::simulated;
 use crate::clock::Clock;
@@ -18,6 +19,8 @@ use std::path::Path;
 pub enum ControllerSource<'a> {
     /// A controller in this process with the simulated arm, whose time is the clock's.
     Simulated,
+    /// The same with a hand that leads the arm's tip.
+    Led(&'a Hand),
     /// This firmware image on an emulated board, with the simulated arm.
     Emulated(&'a Path),
     /// A controller on a serial port with its own arm. A board with the image `qemu` gets
@@ -84,7 +87,8 @@ pub fn open(
 ) -> Result<(Session, String), OpenError> {
     let machine = Machine::of(robot.drive_kind());
     let line: Box<dyn Connection> = match source {
-        ControllerSource::Simulated => simulated::line(robot, clock)?,
+        ControllerSource::Simulated => simulated::line(robot, clock, None)?,
+        ControllerSource::Led(hand) => simulated::line(robot, clock, Some(hand.clone()))?,
         ControllerSource::Emulated(image) => Box::new(Emulator::start(image)?),
         ControllerSource::Port { name, .. } => Box::new(SerialLine::open(name)?),
     };
@@ -119,7 +123,9 @@ pub fn open(
             }
             match source {
                 ControllerSource::Port { name, .. } => (name, None),
-                ControllerSource::Simulated | ControllerSource::Emulated(_) => ("simulated", None),
+                ControllerSource::Simulated
+                | ControllerSource::Led(_)
+                | ControllerSource::Emulated(_) => ("simulated", None),
             }
         }
     };

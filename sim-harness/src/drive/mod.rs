@@ -4,6 +4,7 @@ mod controlled;
 mod error;
 mod job;
 mod stream;
+mod touch;
 
 use crate::link::LinkError;
 use crate::measured_pose::measured_pose;
@@ -20,6 +21,7 @@ pub use controlled::Controlled;
 pub use error::DriveError;
 pub use job::job_moves;
 pub use stream::Given;
+pub use touch::LED_PERIOD;
 
 /// Number of reads after which homing has failed: 60 s.
 const LONGEST_HOMING: u32 = 6000;
@@ -382,8 +384,11 @@ impl<'a, C: Controlled> Drive<'a, C> {
         Ok(())
     }
 
-    /// The status; the fault as an error if one is latched.
-    fn fault_free_status(&mut self) -> Result<Status, DriveError> {
+    /// The status of a controller without a fault.
+    ///
+    /// # Errors
+    /// The fault, if one is latched, or a failed connection.
+    pub fn fault_free_status(&mut self) -> Result<Status, DriveError> {
         let (status, _) = self.controller.client().status()?;
         check_fault(&status)?;
         Ok(status)

@@ -35,6 +35,19 @@ impl<C: Controlled> Drive<'_, C> {
         given: &mut dyn FnMut() -> Given,
     ) -> Result<(), DriveError> {
         let config = options.config(self.fault_free_status()?.tick, tick_rate);
+        self.begin_when_free(config)?;
+        let tick = self.fault_free_status()?.tick;
+        let mut streamer = Streamer::new(config, tick_rate, tick);
+        let streamed = self.stream_points(options.mode, &mut streamer, given);
+        if streamed.is_err() {
+            self.bring_to_rest()?;
+            return streamed;
+        }
+        self.end_stream()
+    }
+
+    /// Begins a stream as soon as the arm is held.
+    pub(super) fn begin_when_free(&mut self, config: StreamConfig) -> Result<(), DriveError> {
         let mut begun = self.begin_stream(config);
         for _ in 0..LONGEST_STOP {
             // Motors that have just been switched on wake up, and holding brakes release.
@@ -53,13 +66,11 @@ impl<C: Controlled> Drive<'_, C> {
         begun?;
         // What was told of a stream before is old.
         self.latest_state();
-        let tick = self.fault_free_status()?.tick;
-        let mut streamer = Streamer::new(config, tick_rate, tick);
-        let streamed = self.stream_points(options.mode, &mut streamer, given);
-        if streamed.is_err() {
-            self.bring_to_rest()?;
-            return streamed;
-        }
+        Ok(())
+    }
+
+    /// Ends the stream, and waits until the arm is held.
+    pub(super) fn end_stream(&mut self) -> Result<(), DriveError> {
         self.command("end the stream", HostCommand::EndStream)?;
         for _ in 0..LONGEST_STOP {
             let status = self.fault_free_status()?;
@@ -171,12 +182,12 @@ fn place(mode: StreamMode, status: &Status) -> Option<[f64; 2]> {
                 held + turn * ((measured - held) / turn).round()
             })
         }),
-        StreamMode::Tip => status.reference,
+        StreamMode::Tip | StreamMode::Free => status.reference,
     };
     place.map(|place| place.map(f64::from))
 }
 
-fn ended(state: Option<StreamState>) -> DriveError {
+pub(super) fn ended(state: Option<StreamState>) -> DriveError {
     let progress = state.map(|state| state.progress);
     let reason = progress.and_then(|progress| progress.reason);
     DriveError::Stream(reason.unwrap_or(StreamReason::Stopped))

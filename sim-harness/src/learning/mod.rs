@@ -27,6 +27,7 @@ pub use contraction::{Filter, Response};
 pub use memory::{Digest, Forgotten, Memory};
 pub use repeat::{Ended, Repetition, repeat};
 pub use shift::Learnt;
+pub(crate) use spline::Spline;
 
 use crate::simulation::RunError;
 use fivebar_files::robot::{HomeError, MissingMasses};

@@ -14,7 +14,7 @@ pub(super) const LEAST: usize = 4;
 
 /// The curve.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Spline {
+pub(crate) struct Spline {
     knots: Vec<Vector2<f64>>,
     /// Velocities at the knots times the time between two knots.
     rates: Vec<Vector2<f64>>,
@@ -22,7 +22,7 @@ pub(super) struct Spline {
 
 impl Spline {
     /// Through these knots, of which there are two or more.
-    pub(super) fn through(knots: Vec<Vector2<f64>>) -> Self {
+    pub(crate) fn through(knots: Vec<Vector2<f64>>) -> Self {
         let count = knots.len();
         let mut rates = vec![Vector2::zeros(); count];
         // Thomas's algorithm: the pivots, then from behind.
@@ -40,7 +40,7 @@ impl Spline {
     }
 
     /// The knots.
-    pub(super) fn knots(&self) -> &[Vector2<f64>] {
+    pub(crate) fn knots(&self) -> &[Vector2<f64>] {
         &self.knots
     }
 
@@ -72,7 +72,7 @@ impl Spline {
     /// in its middle and goes on with the same motion at both ends: at the curve's own ends, where it so begins and
     /// ends without acceleration, and where `joins` is true of the knot's velocity and acceleration in units of the time
     /// between two knots.
-    pub(super) fn spans(&self, joins: impl Fn(Vector2<f64>, Vector2<f64>) -> bool) -> Vec<Span> {
+    pub(crate) fn spans(&self, joins: impl Fn(Vector2<f64>, Vector2<f64>) -> bool) -> Vec<Span> {
         let mut spans = Vec::new();
         let last = self.pieces();
         let mut knot = 0;
@@ -113,11 +113,11 @@ impl Spline {
 
 /// A part of the curve as one polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
+pub(crate) struct Span {
     /// The knot at its beginning.
-    pub(super) begin: usize,
+    pub(crate) begin: usize,
     /// Knots from its beginning to its end.
-    pub(super) knots: usize,
+    pub(crate) knots: usize,
     /// Of 1, u … u⁵, with u from 0 to 1.
     coefficients: [Vector2<f64>; 6],
 }
@@ -143,7 +143,7 @@ impl Span {
     }
 
     /// Coefficients from `from` to `to`, with u from 0 to 1 between them.
-    pub(super) fn part(&self, from: f64, to: f64) -> [Vector2<f64>; 6] {
+    pub(crate) fn part(&self, from: f64, to: f64) -> [Vector2<f64>; 6] {
         let mut part = self.coefficients;
         // Horner's scheme over and over: the polynomial about `from`.
         for least in 0..6 {

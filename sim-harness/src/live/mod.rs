@@ -14,6 +14,7 @@ use crate::controller::{ControllerSource, OpenError, open};
 use crate::drive::{DriveError, Homing, job_moves, planner_at};
 use crate::link::LinkError;
 use crate::streaming::{SetPoint, StreamOptions};
+use crate::teaching::{Record, ReplayError, TaughtPath, TeachError};
 use fivebar_files::job::{Job, Pause};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
@@ -48,6 +49,12 @@ pub enum LiveError {
     /// The connection has ended.
     #[error("the connection to the controller has ended{0}: connect again")]
     Ended(String),
+    /// What a hand has taught is no path.
+    #[error(transparent)]
+    Teach(#[from] TeachError),
+    /// A taught path is not replayed.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
     /// The call was refused or ended early.
     #[error(transparent)]
     Drive(#[from] DriveError),
@@ -240,6 +247,51 @@ impl LiveArm {
         let (points, given) = mpsc::sync_channel(0);
         let pending = self.order(busy, Task::Stream { options, given })?;
         Ok(LiveStream { points, pending })
+    }
+
+    /// Lets a hand lead the arm for so long [s], or until it is stopped; then it is held. The motors are on. What the hand has done
+    /// is in the record.
+    ///
+    /// # Errors
+    /// As [`Self::home`].
+    pub fn be_led(&self, seconds: f64) -> Result<(Pending, Arc<Mutex<Record>>), LiveError> {
+        let busy = self.shared.begin()?;
+        let (status, _) = self.ready()?;
+        if status.state == State::Stopped {
+            return Err(LiveError::MotorsOff);
+        }
+        let record = Arc::new(Mutex::new(Record::new(
+            self.settings.control.tick_rate.into(),
+        )));
+        let task = Task::BeLed {
+            seconds,
+            record: record.clone(),
+        };
+        Ok((self.order(busy, task)?, record))
+    }
+
+    /// The path that a hand has led the tip along.
+    ///
+    /// # Errors
+    /// The arm was not moved, or its angles close no arm.
+    pub fn taught(&self, record: &Mutex<Record>) -> Result<TaughtPath, LiveError> {
+        let (status, _) = self.ready()?;
+        let assembly = planner_at(&self.settings, &status)?.assembly();
+        let tool = self.robot.tool_on_link();
+        let tool = tool.map_err(|_| DriveError::NoTool)?;
+        Ok(lock(record).path(&self.robot.name, &tool, assembly)?)
+    }
+
+    /// Does a taught motion again, at this multiple of its speed. The motors are on.
+    ///
+    /// # Errors
+    /// As [`Self::move_to`].
+    pub fn replay(&self, path: &TaughtPath, speed: f64) -> Result<Pending, LiveError> {
+        let busy = self.shared.begin()?;
+        let (status, tool) = self.ready()?;
+        let planner = planner_at(&self.settings, &status)?;
+        let moves = path.replay(speed, &planner, tool, status.angle)?;
+        self.follow(busy, moves, None)
     }
 
     /// Puts the tool at this level, 0 (up or off) to 1, where the arm rests. The motors are on.

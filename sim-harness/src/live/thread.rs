@@ -6,10 +6,11 @@ use crate::controller::{Connection, Session};
 use crate::drive::{Controlled, Drive, DriveError, Given, Homing};
 use crate::link::{Client, LinkError};
 use crate::streaming::{SetPoint, StreamOptions};
+use crate::teaching::Record;
 use fivebar_files::job::Pause;
 use fivebar_firmware::{Move, Request, Status};
-use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -30,6 +31,11 @@ pub(super) enum Task {
         moves: Vec<Move>,
         pauses: Vec<Pause>,
         power: bool,
+    },
+    /// A hand leads the arm for so long [s].
+    BeLed {
+        seconds: f64,
+        record: Arc<Mutex<Record>>,
     },
     /// Set-points as the program gives them.
     Stream {
@@ -181,6 +187,10 @@ impl Watched {
             Task::Stream { options, given } => {
                 drive.follow_stream(options, tick_rate, &mut || next(given, pace, &shared))
             }
+            Task::BeLed { seconds, record } => drive.be_led(tick_rate, &mut |state| {
+                let mut record = record.lock().unwrap_or_else(PoisonError::into_inner);
+                record.keep(state) && record.time() < *seconds
+            }),
             Task::Follow {
                 moves,
                 pauses,

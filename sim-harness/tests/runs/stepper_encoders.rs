@@ -202,6 +202,39 @@ fn steps_that_a_driver_misses_are_a_fault_within_two_and_the_arm_goes_on_without
 }
 
 #[test]
+fn a_step_that_a_driver_misses_is_made_good_at_the_next_rest() {
+    for joint in Joint::ALL {
+        let scenario = demonstration("encoder_counts = 4000");
+        let mut moves = VecDeque::from(scenario.run_moves(&scenario.job().unwrap()).unwrap());
+        let mut bench = Bench::new(&scenario);
+        let reference = |status: &Status| status.joint_reference.map(|it| it.angle[joint].into());
+        let (mut farthest, mut is_missed) = (0.0_f64, false);
+        while !bench.advance(&mut moves) {
+            let speed = bench
+                .status
+                .joint_reference
+                .map_or(0.0, |it| it.velocity[joint].abs());
+            if speed > 0.4 && !is_missed {
+                let missed = FaultKind::StepLost { joint, steps: 1 };
+                bench.plant.arm_mut().inject(missed);
+                is_missed = true;
+            }
+            let wanted = reference(&bench.status).unwrap_or(bench.plant.angle(joint));
+            farthest = farthest.max((bench.plant.angle(joint) - wanted).abs());
+        }
+        let farthest = farthest / FULL_STEP;
+        assert!(farthest > 0.8, "{joint}: {farthest} full steps");
+        for _ in 0..5000 {
+            bench.tick();
+        }
+        assert_eq!(bench.status.fault, None, "{joint}");
+        let wanted = bench.status.reference.expect("a pose").map(f64::from);
+        let off = (bench.plant.tool() - nalgebra::Vector2::from(wanted)).norm();
+        assert!(off < 0.2e-3, "{joint}: {off} m at the tool");
+    }
+}
+
+#[test]
 fn brakes_that_fail_under_an_upright_arm_are_found_and_its_steppers_hold_it() {
     let keys = "kind = \"stepper\"\nencoder_counts = 4000\nbrake_torque = 2.0\nbrake_engage_time = 0.03\n\
                 brake_release_time = 0.03";

@@ -163,6 +163,7 @@ impl Rules {
             State::Homing
             | State::Exciting
             | State::Crossing
+            | State::Compliant
             | State::Armed
             | State::Running
             | State::Stopping => true,
@@ -214,9 +215,10 @@ impl Rules {
         }
         self.fault_stays(status)
             .map_err(|found| Violation::new(tick, "a fault stays until it is cleared", found))?;
-        if state == State::Running && self.silence > self.timeout.saturating_add(2) {
+        let is_led = matches!(state, State::Running | State::Compliant);
+        if is_led && self.silence > self.timeout.saturating_add(2) {
             return broken(
-                "no path is followed for a silent host",
+                "no path is followed, and no arm gives way, for a silent host",
                 format_args!("{} ticks of silence", self.silence),
             );
         }
@@ -226,6 +228,7 @@ impl Rules {
             | State::Homing
             | State::Exciting
             | State::Crossing
+            | State::Compliant
             | State::Stopping
             | State::Fault => false,
         };

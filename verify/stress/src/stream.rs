@@ -28,8 +28,9 @@ pub(crate) struct StreamRun {
 impl StreamRun {
     pub(crate) fn from_bytes(bytes: &mut Bytes<'_>) -> Self {
         let mode = match bytes.byte() {
-            0..=127 => StreamMode::Tip,
-            128..=255 => StreamMode::Joint,
+            0..=99 => StreamMode::Tip,
+            100..=199 => StreamMode::Joint,
+            200..=255 => StreamMode::Free,
         };
         let how = bytes.byte();
         Self {
@@ -66,7 +67,7 @@ impl StreamRun {
         let time = f32::from(n) * f32::from(PERIOD) * 1e-4;
         let (sine, cosine) = (self.rate * time).sin_cos();
         let (from, scale) = match self.config.mode {
-            StreamMode::Tip => (tool, 1.0),
+            StreamMode::Tip | StreamMode::Free => (tool, 1.0),
             // Per metre of the tool about so many radians.
             StreamMode::Joint => (joints, 10.0),
         };

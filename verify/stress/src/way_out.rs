@@ -193,9 +193,12 @@ fn rests(status: &Status) -> bool {
     let still = reference.is_none_or(|joints| joints.velocity == [0.0; 2]);
     match status.state {
         State::Stopped | State::Armed | State::Fault => still,
-        State::Homing | State::Exciting | State::Running | State::Stopping | State::Crossing => {
-            false
-        }
+        State::Homing
+        | State::Exciting
+        | State::Running
+        | State::Stopping
+        | State::Crossing
+        | State::Compliant => false,
     }
 }
 

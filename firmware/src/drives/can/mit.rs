@@ -136,7 +136,9 @@ pub const fn clear_error(node: u8) -> Frame {
 
 /// A value within a range as a share of 2ⁿ − 1. Of what is not a number, the least.
 fn share(value: f32, least: f32, most: f32, bits: u32) -> u64 {
-    let within = value.max(least).min(most);
+    // Comparisons, because `max` and `min` are calls on the microcontroller.
+    let within = if value > least { value } else { least };
+    let within = if within < most { within } else { most };
     // `as` cuts.
     ((within - least) * full(bits) / (most - least)) as u64
 }

@@ -8,6 +8,7 @@
 
 mod piece;
 mod progress;
+mod touch;
 
 use super::{Planner, PlanningSnapshot};
 use crate::controller::{ArmController, Change, QueuedSegment, Splice};
@@ -85,6 +86,12 @@ impl Stream {
         takes && id == self.config.id
     }
 
+    /// Whether no point with this number or a later one has come.
+    fn is_next(&self, n: u16) -> bool {
+        let last = self.progress.last;
+        last.is_none_or(|last| (n.wrapping_sub(last) as i16) > 0)
+    }
+
     /// Takes no more points.
     fn end(&mut self, reason: StreamReason) {
         if self.takes(self.config.id) {
@@ -150,6 +157,9 @@ impl Planner {
         if !(fits && least <= delay && delay <= most) {
             return Err(StreamError::Rate);
         }
+        if config.mode == StreamMode::Free {
+            controller.lock(ArmController::begin_touch)?;
+        }
         // The arm goes on from where it is held, and so does what comes behind the stream.
         self.end = None;
         self.in_motion = None;
@@ -186,7 +196,12 @@ impl Planner {
         let Some(mut stream) = self.stream.filter(|stream| stream.takes(point.id)) else {
             return;
         };
-        let taken = self.follow_point(controller, &snapshot, &mut stream, n, point);
+        let taken = match stream.config.mode {
+            StreamMode::Joint | StreamMode::Tip => {
+                self.follow_point(controller, &snapshot, &mut stream, n, point)
+            }
+            StreamMode::Free => Self::feed_touch(controller, &stream, n),
+        };
         stream.note(n, taken);
         self.stream = Some(stream);
     }
@@ -226,6 +241,9 @@ impl Planner {
         let Some(stream) = self.stream.as_mut().filter(|stream| stream.is_active()) else {
             return;
         };
+        if stream.config.mode == StreamMode::Free {
+            return stream.watch_touch(controller, snapshot.state);
+        }
         let is_own = stream.path_generation == snapshot.path_generation;
         if !(is_own && snapshot.state.follows_paths()) {
             stream.end(StreamReason::Stopped);
@@ -268,8 +286,7 @@ impl Planner {
         }
         let now = controller.lock(|controller| controller.ticks());
         let ahead = point.due.wrapping_sub(now) as i32;
-        let is_next = |last: u16| (n.wrapping_sub(last) as i16) > 0;
-        if !stream.progress.last.is_none_or(is_next) {
+        if !stream.is_next(n) {
             return Err(StreamReason::Order);
         }
         if ahead <= 0 {
@@ -353,7 +370,7 @@ impl Planner {
                 ];
                 (NEAR.0, d1.max(d4))
             }
-            StreamMode::Tip => (
+            StreamMode::Tip | StreamMode::Free => (
                 NEAR.1,
                 (Vector2::new(point.position.0, point.position.1) - position).norm(),
             ),

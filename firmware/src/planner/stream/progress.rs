@@ -16,6 +16,10 @@ pub enum StreamError {
     Moving,
     /// The delay is not 2 to 200 ms, or it is not one to 26 periods.
     Rate,
+    /// The motors give no torque, they follow a motion: steppers and hobby servos give way to no hand.
+    NoTorque,
+    /// The motors are behind belts, so their angles are not those of the joints.
+    Belts,
 }
 
 /// What a stream does.
@@ -59,6 +63,8 @@ pub enum StreamReason {
     Away(f32),
     /// The motion to the point, or the stop behind it, would pass a limit: the arm stops before.
     Limit(MoveErrorKind),
+    /// No points came, so an arm that gave way is held.
+    Silent,
 }
 
 /// What a stream has done so far. The counts saturate.
@@ -88,6 +94,13 @@ impl fmt::Display for StreamError {
                 f.write_str("a stream begins where the arm rests and has nothing to do")
             }
             Self::Rate => f.write_str("the delay must be 2 to 200 ms, and one to 26 periods"),
+            Self::NoTorque => f.write_str(
+                "steppers and hobby servos follow a motion and give no torque: a hand leads arms with brushed motors and drives \
+                 on CAN",
+            ),
+            Self::Belts => f.write_str(
+                "the motors are behind belts, and the hand turns the joints: no hand leads this arm",
+            ),
         }
     }
 }
@@ -112,6 +125,7 @@ impl fmt::Display for StreamReason {
                 );
             }
             Self::Limit(kind) => return write!(f, "the arm stops before a point: {kind}"),
+            Self::Silent => "no points came, so the arm is held",
         })
     }
 }

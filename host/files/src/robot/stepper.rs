@@ -80,7 +80,8 @@ impl Robot {
         Some(motors.map(|motor| motor.led_speed(self.supply.voltage) / motor.gear_ratio.abs()))
     }
 
-    /// The torques at the joints that a time-optimal plan may take of steppers at each speed; none of other motors.
+    /// The torques at the joints that a time-optimal plan may take of steppers at each speed, also on a supply that is 15 % too
+    /// low; none of other motors.
     pub fn falling_torque(&self) -> Option<[FallingTorque; 2]> {
         let actuators = self.actuators.as_ref()?;
         let [first, second] = Joint::ALL.map(|joint| {
@@ -88,9 +89,9 @@ impl Robot {
                 motor,
                 torque_share,
             } = actuators[joint].stepper()?;
-            let ratio = motor.gear_ratio.abs();
-            let fastest = self.limits.max_speed[joint] * ratio;
-            let [standing, slope] = motor.pull_out_line(fastest, self.supply.voltage);
+            let (ratio, supply) = (motor.gear_ratio.abs(), self.supply.voltage);
+            let fastest = (self.limits.max_speed[joint] * ratio).min(motor.led_speed(supply));
+            let [standing, slope] = motor.pull_out_line(fastest, LOW_SUPPLY * supply);
             Some(FallingTorque {
                 standing: torque_share * ratio * standing,
                 slope: torque_share * ratio * ratio * slope,
@@ -313,6 +314,8 @@ fn has_room_to_swing(robot: &Robot, joint: Joint, actuator: &Actuator) -> Result
     Err(Key::In("protection", "following_error").refused(reason))
 }
 
+/// The supply on which the torque of a time-optimal plan is there, of the file's: at speed a motor has less torque on a low one.
+const LOW_SUPPLY: f64 = 0.85;
 /// The least following error of a motor with an encoder [full steps].
 const LEAST_ERROR: f64 = 5.0;
 /// The least pull-out torque at the greatest speed, over the holding torque.

@@ -297,7 +297,12 @@ impl<'a> SenderSlot<'a> {
 pub(super) fn moves(status: &Status) -> bool {
     matches!(
         status.state,
-        State::Running | State::Stopping | State::Crossing | State::Homing | State::Exciting
+        State::Running
+            | State::Stopping
+            | State::Crossing
+            | State::Compliant
+            | State::Homing
+            | State::Exciting
     )
 }
 

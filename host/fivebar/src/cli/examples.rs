@@ -179,6 +179,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "replay",
+        &[
+            "fivebar replay wave.json --robot my-arm.toml --port /dev/ttyUSB0 --speed 0.5",
+            "fivebar replay wave.json --out wave.svg",
+        ],
+    ),
+    (
         "robots",
         &["fivebar robots", "fivebar robots benchtop > my-arm.toml"],
     ),
@@ -204,6 +211,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
             "fivebar sim my.gcode --origin 0.02,0.14 --scale 0.5 --log out/run.mcap",
             "fivebar sim scenario.toml --by-cause --json",
             "fivebar sim my.gcode --repeat 4 --learn",
+        ],
+    ),
+    (
+        "teach",
+        &[
+            "fivebar teach --robot my-arm.toml --port /dev/ttyUSB0 --out wave.json",
+            "fivebar teach --hand hand.csv --out wave.json",
         ],
     ),
     (

@@ -40,6 +40,7 @@ mod query;
 mod questions;
 mod raw_inputs;
 mod repeat;
+mod replay;
 mod rewrite;
 mod robots;
 mod run_args;
@@ -47,6 +48,7 @@ mod say;
 mod serve;
 mod settings;
 mod sim;
+mod teach;
 mod value_error;
 mod workspace;
 
@@ -95,10 +97,12 @@ enum Command {
     Pil(pil::Args),
     Plan(plan::Args),
     Query(query::Args),
+    Replay(replay::Args),
     Robots(robots::Args),
     Serve(serve::Args),
     Settings(settings::Args),
     Sim(sim::Args),
+    Teach(teach::Args),
     Workspace(workspace::Args),
 }
 
@@ -144,10 +148,12 @@ pub fn main() -> ExitCode {
             Command::Pil(args) => pil::run(&args),
             Command::Plan(args) => plan::run(&args),
             Command::Query(args) => query::run(&args),
+            Command::Replay(args) => replay::run(&args),
             Command::Robots(args) => robots::run(&args),
             Command::Serve(args) => serve::run(&args),
             Command::Settings(args) => settings::run(&args),
             Command::Sim(args) => sim::run(&args),
+            Command::Teach(args) => teach::run(&args),
             Command::Workspace(args) => workspace::run(&args),
         },
     };

@@ -81,6 +81,11 @@ impl ControllerArgs {
         image.unwrap_or_else(|| Emulator::built_image(Machine::of(robot.drive_kind()).emulated))
     }
 
+    /// Whether the controller and its arm are simulated in this process.
+    pub(super) fn is_simulated(&self) -> bool {
+        self.port.is_none() && !self.emulated
+    }
+
     /// The controller that is asked for.
     pub(super) fn source<'a>(&'a self, image: &'a Path) -> ControllerSource<'a> {
         match &self.port {

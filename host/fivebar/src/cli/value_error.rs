@@ -33,6 +33,8 @@ pub(super) enum ValueError {
     PositiveMillimetres,
     #[error("give a number from 0.2 to 2000")]
     Rate,
+    #[error("give a number of seconds from 0.1 to 600")]
+    TeachTime,
     #[error("give a number of seconds from 0.1 to 3600")]
     Seconds,
     #[error("give a positive number")]

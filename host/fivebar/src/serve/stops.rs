@@ -73,10 +73,12 @@ impl ControllerThread {
 
     /// Whether the arm rests, with bridges on or off.
     pub(super) fn rests(&self) -> bool {
-        use State::{Armed, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping};
+        use State::{
+            Armed, Compliant, Crossing, Exciting, Fault, Homing, Running, Stopped, Stopping,
+        };
         match self.session.status.state {
             Stopped | Armed | Fault => true,
-            Homing | Running | Stopping | Exciting | Crossing => false,
+            Homing | Running | Stopping | Exciting | Crossing | Compliant => false,
         }
     }
 }

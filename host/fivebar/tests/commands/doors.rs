@@ -274,3 +274,92 @@ fn arms_of_new_of_other_sizes_are_commissioned_to_the_end() {
         assert_eq!(record["steps"].as_array().unwrap().len(), 13);
     }
 }
+
+/// The hand's motion: 1 cm to the right, down, and back.
+const HAND: &str = "t,x,y\n1,0.01,0\n2,0.01,-0.01\n3,0,0\n";
+
+#[test]
+fn a_hand_teaches_arms_whose_motors_give_a_torque_and_others_are_told_why_not() {
+    for arm in ARMS {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        fs::write(folder.join("hand.csv"), HAND).unwrap();
+        let teach = [
+            "teach",
+            "--robot",
+            "arm.toml",
+            "--hand",
+            "hand.csv",
+            "--out",
+            "wave.json",
+        ];
+        if !matches!(arm, "benchtop" | "leg" | "mit") {
+            let message = refusal(folder, arm, &teach);
+            assert!(message.contains("steppers and hobby servos"), "{message}");
+            continue;
+        }
+        let output = run(folder, arm, &teach);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arm}: {message}");
+        let path: Value =
+            serde_json::from_str(&fs::read_to_string(folder.join("wave.json")).unwrap()).unwrap();
+        let tip: Vec<[f64; 2]> = serde_json::from_value(path["tip_m"].clone()).unwrap();
+        let span = |k: usize| {
+            let values = tip.iter().map(|point| point[k]);
+            values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+        };
+        // The hand is a spring, and a heavy leg goes on behind it.
+        let spans = [span(0), span(1)];
+        assert!(
+            spans.iter().all(|it| (0.008..0.02).contains(it)),
+            "{arm}: {spans:?}"
+        );
+        for (file, begins) in [("wave.gcode", "G21 G90"), ("wave.svg", "<svg ")] {
+            assert!(
+                run(folder, arm, &["replay", "wave.json", "--out", file])
+                    .status
+                    .success()
+            );
+            let text = fs::read_to_string(folder.join(file)).unwrap();
+            assert!(text.starts_with(begins), "{arm}: {text}");
+        }
+    }
+}
+
+#[test]
+fn a_taught_path_is_done_again_whatever_turns_the_joints() {
+    for arm in ARMS {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        fs::write(folder.join("arm.toml"), text(arm)).unwrap();
+        let robot = Robot::load(folder.join("arm.toml").to_str().unwrap()).unwrap();
+        let [x, y] = robot.tool_at(&robot.home_pose().unwrap());
+        let tip: Vec<[f64; 2]> = (0..=100)
+            .map(|k| {
+                let u = f64::from(k) / 100.0;
+                let share = (TAU * u * u * (3.0 - 2.0 * u)).cos();
+                [x, y - 0.005 * (1.0 - share)]
+            })
+            .collect();
+        let path = serde_json::json!({
+            "taught_path": 1, "robot": robot.name, "knot_s": 0.02, "tip_m": tip,
+        });
+        fs::write(folder.join("wave.json"), path.to_string()).unwrap();
+        let replay = [
+            "replay",
+            "wave.json",
+            "--robot",
+            "arm.toml",
+            "--speed",
+            "0.5",
+        ];
+        let output = run(folder, arm, &replay);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arm}: {message}");
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(said.contains("20.0 mm in 4.00 s done"), "{arm}: {said}");
+        let other = ["replay", "wave.json", "--robot", "benchtop_pen"];
+        let refused = refusal(folder, arm, &other);
+        assert!(refused.contains("taught to"), "{arm}: {refused}");
+    }
+}

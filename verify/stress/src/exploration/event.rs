@@ -7,6 +7,7 @@ use crate::crossing_arm::CROSSING;
 use crate::rules::Violation;
 use crate::timed::timed_run;
 use fivebar_firmware::controller::{Excitation, Excited, Request};
+use fivebar_firmware::motion::StreamMode;
 use fivebar_firmware::protocol::{BoardTest, HostCommand, Section, SectionKey, VERSION};
 use fivebar_firmware::recorder::LogConfig;
 use fivebar_firmware::safety::Fault;
@@ -36,6 +37,8 @@ pub(crate) enum Event {
     Timed(usize),
     /// The host begins a stream of set-points.
     BeginStream,
+    /// The host lets a hand lead the arm.
+    BeginFree,
     /// So many points of it.
     Points(u16),
     /// A point that is none.
@@ -65,8 +68,9 @@ pub(crate) enum Event {
 /// All events, those of the board's faults included.
 pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     use Event::{
-        BeginStream, Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed, Move,
-        OldEmergencyStop, Points, Read, Silence, Ticks, Timed, Undisturb, Until, WrongPoint, Zeros,
+        BeginFree, BeginStream, Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed,
+        Move, OldEmergencyStop, Points, Read, Silence, Ticks, Timed, Undisturb, Until, WrongPoint,
+        Zeros,
     };
     let requests = [
         Request::Arm,
@@ -104,7 +108,7 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     events.extend(requests.map(|request| Command(HostCommand::Request(request))));
     events.extend(commands.map(Command));
     events.extend([Line(0), Line(FULL_TOOL), Joint, Timed(1), Timed(usize::MAX)]);
-    events.extend([BeginStream, Points(3), Points(20), WrongPoint]);
+    events.extend([BeginStream, BeginFree, Points(3), Points(20), WrongPoint]);
     let to = [1.0, 1.0];
     let wrong = CrossingMove {
         law: [0.0; 3],
@@ -213,7 +217,8 @@ impl<D: ExploredDrives> World<D> {
                 }
                 Ok(())
             }
-            Event::BeginStream => self.begin_stream(),
+            Event::BeginStream => self.begin_stream(StreamMode::Tip),
+            Event::BeginFree => self.begin_stream(StreamMode::Free),
             Event::Points(points) => self.stream_points(points),
             Event::WrongPoint => self.wrong_point(),
             Event::Move(kind) => self.send_move(0, kind).map(drop),

@@ -8,7 +8,7 @@ use fivebar_firmware::safety::{Event, Fault, Response, State};
 use fivebar_firmware::{ActuatorCommand, SensorSample, Status};
 
 /// Every event of the table of states.
-pub(super) const EVENTS: [Event; 12] = [
+pub(super) const EVENTS: [Event; 13] = [
     Event::Arm,
     Event::Disarm,
     Event::Home,
@@ -21,6 +21,7 @@ pub(super) const EVENTS: [Event; 12] = [
     Event::Clear,
     Event::Excite,
     Event::Cross,
+    Event::Yield,
 ];
 
 /// What an exploration remembers of the commands and ticks so far.
@@ -68,7 +69,7 @@ impl History {
             HostCommand::BeginStream(_) => {
                 breaks(
                     "a stream begins only where the arm is held",
-                    after.state == State::Armed,
+                    matches!(after.state, State::Armed | State::Compliant),
                 )?;
                 self.moves += 1;
                 self.step(after, false)
@@ -254,7 +255,10 @@ impl History {
             return Err(("angles become known by homing or by the host", found()));
         }
         if self.fault != after.fault {
-            let follows = matches!(before, State::Armed | State::Running | State::Stopping);
+            let follows = matches!(
+                before,
+                State::Armed | State::Running | State::Stopping | State::Compliant
+            );
             let holds = |fault: Fault| fault.response() == Response::ControlledStop;
             self.is_held = follows && after.fault.is_some_and(holds);
         }

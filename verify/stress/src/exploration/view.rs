@@ -2,6 +2,7 @@
 
 use super::arm::Disturbance;
 use fivebar_firmware::controller::PlanningSnapshot;
+use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::{ActuatorCommand, Status};
 use fivebar_kinematics::five_bar::Side;
@@ -30,6 +31,8 @@ pub(super) struct View {
     is_held: bool,
     /// A stream of set-points has the arm.
     streams: bool,
+    /// The arm gives way to a hand, and is not damped.
+    yields: bool,
     /// The assembly mode.
     is_left: bool,
     has_settings: bool,
@@ -56,7 +59,7 @@ enum Age {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outside {
     pub(super) is_planned: bool,
-    pub(super) streams: bool,
+    pub(super) stream: Option<StreamPhase>,
     pub(super) has_settings: bool,
     pub(super) is_silent: bool,
     pub(super) zeros_are_wrong: bool,
@@ -72,7 +75,10 @@ impl View {
     ) -> Self {
         let homes = status.state == State::Homing;
         let powered = command.enable == [true; 2];
-        let follows = matches!(status.state, State::Armed | State::Running);
+        let follows = matches!(
+            status.state,
+            State::Armed | State::Running | State::Compliant
+        );
         let direction = |speed: f32| i8::from(speed > MOVES) - i8::from(speed < -MOVES);
         Self {
             state: status.state,
@@ -93,7 +99,15 @@ impl View {
             is_planned: outside.is_planned && follows,
             is_held: snapshot.hold.is_some(),
             // Elsewhere it ends as soon as the planner runs.
-            streams: outside.streams && follows,
+            streams: outside
+                .stream
+                .is_some_and(|phase| phase != StreamPhase::Ended)
+                && follows,
+            yields: status.state == State::Compliant
+                && matches!(
+                    outside.stream,
+                    Some(StreamPhase::Waits | StreamPhase::Follows)
+                ),
             is_left: snapshot.assembly == Side::Left,
             has_settings: outside.has_settings,
             // Without power the host's silence ends nothing.
@@ -114,6 +128,7 @@ impl View {
             State::Homing
             | State::Exciting
             | State::Crossing
+            | State::Compliant
             | State::Running
             | State::Stopping => true,
             State::Stopped | State::Armed | State::Fault => self.moves,

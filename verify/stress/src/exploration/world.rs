@@ -10,7 +10,6 @@ use crate::way_out::Machine;
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::Drives;
 use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
-use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION,
@@ -92,7 +91,7 @@ impl<D: ExploredDrives> World<D> {
         };
         let outside = Outside {
             is_planned: true,
-            streams: false,
+            stream: None,
             has_settings,
             is_silent: false,
             zeros_are_wrong: false,
@@ -242,9 +241,10 @@ impl<D: ExploredDrives> World<D> {
         }
     }
 
-    /// The host begins a stream of set-points.
-    pub(super) fn begin_stream(&mut self) -> Result<(), Violation> {
-        let begun = self.command(HostCommand::BeginStream(STREAM))?;
+    /// The host begins a stream of set-points of this mode.
+    pub(super) fn begin_stream(&mut self, mode: StreamMode) -> Result<(), Violation> {
+        let config = StreamConfig { mode, ..STREAM };
+        let begun = self.command(HostCommand::BeginStream(config))?;
         if begun.is_none() {
             self.stream = (self.status.tick, self.tool());
         }
@@ -402,10 +402,7 @@ impl<D: ExploredDrives> World<D> {
     fn seen_from_outside(&self) -> View {
         let outside = Outside {
             is_planned: self.planner.is_empty(),
-            streams: self
-                .planner
-                .stream()
-                .is_some_and(|stream| stream.phase != StreamPhase::Ended),
+            stream: self.planner.stream().map(|stream| stream.phase),
             is_silent: self.rules.silence > self.rules.timeout,
             disturbance: self.arm.disturbance,
             ..self.outside

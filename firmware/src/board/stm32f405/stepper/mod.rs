@@ -11,7 +11,7 @@ use super::clocks::Source;
 use super::image::Parts;
 use super::post_mortem::{EndCause, reset_after};
 use super::services::OnBoard;
-use crate::drives::{StepCommand, StepDrives, StepSample};
+use crate::drives::{BlindStepDrives, StepCommand, StepSample};
 use crate::protocol::Board;
 use crate::settings::BoardLimits;
 use crate::{ArmCommand, ArmSample};
@@ -21,7 +21,7 @@ use pins::Switches;
 use stm32f4xx_hal::pac::{TIM1, TIM4, TIM8};
 use stm32f4xx_hal::rcc::Rcc;
 
-impl OnBoard for StepDrives {
+impl OnBoard for BlindStepDrives {
     const LIMITS: BoardLimits = BoardLimits::STM32F405_STEPPER;
 }
 
@@ -32,7 +32,7 @@ pub struct Stepper {
 }
 
 impl Parts for Stepper {
-    type Drives = StepDrives;
+    type Drives = BlindStepDrives;
     type Peripherals = (TIM1, TIM8, TIM4);
     const BOARD: Board = Board::Stm32f405Stepper;
     const TICK_CYCLES: u32 = timers::TICK_CYCLES;

@@ -6,7 +6,7 @@ const STALL = 1000; // ms between two ticks after which the page itself stood st
 const RETRY = 1000; // ms
 const REPEAT = 200; // ms after which an emergency stop without confirmation is sent again
 
-const MOVING = ["Running", "Homing", "Stopping", "Crossing", "Exciting"];
+const MOVING = ["Running", "Homing", "Stopping", "Crossing", "Exciting", "Compliant"];
 
 // Whether the arm moves in this state.
 export const isMoving = ({ state }) => MOVING.includes(state);

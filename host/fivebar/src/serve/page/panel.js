@@ -85,6 +85,7 @@ export function nextStep(state, job, fault, watching) {
       return [`${what} Repair the cause, then press the marked button.${held}`, null, "Show it", "clear_fault"];
     }
     case "Homing": return ["The arm searches for its home switches.", "stop", "Stop"];
+    case "Compliant": return ["A hand leads the arm.", "stop", "Stop"];
     case "Crossing": return ["The arm crosses a singularity.", null, "Wait"];
     case "Stopping": return ["The arm comes to rest on its path.", null, "Wait"];
     case "Stopped":

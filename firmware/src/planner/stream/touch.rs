@@ -1,0 +1,60 @@
+//! A stream of the mode Free: a hand leads the arm while points come.
+
+use super::{Planner, Stream, StreamError, StreamPhase, StreamReason};
+use crate::controller::{ArmController, TouchError, TouchPhase};
+use crate::drives::Drives;
+use crate::safety::State;
+use rtic_core::Mutex;
+
+impl From<TouchError> for StreamError {
+    fn from(error: TouchError) -> Self {
+        match error {
+            TouchError::NoTorque => Self::NoTorque,
+            TouchError::Belts => Self::Belts,
+            TouchError::Moving => Self::Moving,
+        }
+    }
+}
+
+impl Planner {
+    /// Lets the arm give way by a point.
+    pub(super) fn feed_touch(
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        stream: &Stream,
+        n: u16,
+    ) -> Result<(), StreamReason> {
+        if !stream.is_next(n) {
+            return Err(StreamReason::Order);
+        }
+        let goes_on = controller.lock(ArmController::feed_touch);
+        goes_on.then_some(()).ok_or(StreamReason::Stopped)
+    }
+}
+
+impl Stream {
+    /// Looks whether the arm still gives way, and ends that with the stream.
+    pub(super) fn watch_touch(
+        &mut self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        state: State,
+    ) {
+        let phase = controller.lock(|controller| controller.touch_phase());
+        match phase {
+            Some(TouchPhase::Ends) => self.end(StreamReason::Stopped),
+            Some(_) if self.progress.phase == StreamPhase::Ends => {
+                controller.lock(ArmController::end_touch);
+            }
+            Some(TouchPhase::Damps) => self.progress.phase = StreamPhase::Starved,
+            Some(TouchPhase::Yields) => {}
+            None => {
+                let silent = state == State::Armed && self.progress.phase == StreamPhase::Starved;
+                self.end(if silent {
+                    StreamReason::Silent
+                } else {
+                    StreamReason::Stopped
+                });
+                self.progress.phase = StreamPhase::Ended;
+            }
+        }
+    }
+}
