@@ -23,9 +23,8 @@ def armed(robot="benchtop"):
     return live
 
 
-@pytest.mark.parametrize("robot", ["benchtop", "leg"])
-def test_an_arm_that_nobody_leads_stays_and_is_held(robot):
-    with armed(robot) as live:
+def test_an_arm_that_nobody_leads_stays_and_is_held():
+    with armed() as live:
         before = live.state.tool
         with pytest.raises(fivebar.FivebarError, match="not moved"):
             live.free(0.5)
@@ -33,10 +32,17 @@ def test_an_arm_that_nobody_leads_stays_and_is_held(robot):
         assert np.hypot(*np.subtract(live.state.tool, before)) < 5e-4
 
 
-@pytest.mark.parametrize("robot", ["benchtop_stepper", "classroom_servo"])
-def test_drives_without_torque_refuse_by_their_name(robot):
+@pytest.mark.parametrize(
+    "robot, why",
+    [
+        ("benchtop_stepper", "steppers and hobby servos"),
+        ("classroom_servo", "steppers and hobby servos"),
+        ("leg", "over a CAN bus"),
+    ],
+)
+def test_other_drives_refuse_by_their_name(robot, why):
     with armed(robot) as live:
-        with pytest.raises(fivebar.ControllerError, match="steppers and hobby servos"):
+        with pytest.raises(fivebar.ControllerError, match=why):
             live.free(0.5)
 
 

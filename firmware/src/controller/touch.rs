@@ -36,6 +36,9 @@ const FREE_SPEED: f32 = 0.8;
 const BRAKING: f32 = 200.0;
 /// The greatest product of that rate and the loop's delay: a quarter of what makes it swing.
 const BRAKING_DELAY: f32 = 0.35;
+/// The longest time from a joint's angle to its torque [s]. In simulation a leg on a CAN bus, 2 ms, leaves its limits when nobody
+/// holds it.
+const LONGEST_DELAY: f32 = 1e-3;
 /// The share of the friction that is fed forward.
 const FRICTION: f32 = 0.7;
 /// The bandwidth of the walls as a share of that of the position loop.
@@ -54,6 +57,8 @@ pub(crate) enum TouchError {
     NoTorque,
     /// Its motors are behind belts.
     Belts,
+    /// Its torques act too late.
+    LateTorque,
     /// It moves, wakes up or has moves queued.
     Moving,
 }
@@ -85,6 +90,8 @@ pub(super) struct Touch {
     continuous: TorqueLimit<f32>,
     /// [1/s].
     braking: f32,
+    /// Whether its torques act too late.
+    is_late: bool,
     timeout: u32,
     longest: u32,
     per_rise: f32,
@@ -120,6 +127,7 @@ impl Touch {
             walls: Walls::new(settings.tool(), &limits),
             continuous: TorqueLimit(settings.continuous_torque()),
             braking: BRAKING.min(BRAKING_DELAY / delay),
+            is_late: delay > LONGEST_DELAY,
             timeout: ticks(TIMEOUT),
             longest: ticks(DAMPED),
             per_rise: 1.0 / (RISE * control.tick_rate),
@@ -191,6 +199,9 @@ impl<D: Drives> ArmController<D> {
         }
         if self.model.on_belts {
             return Err(TouchError::Belts);
+        }
+        if self.touch.is_late {
+            return Err(TouchError::LateTorque);
         }
         if !self.lets_stream() {
             return Err(TouchError::Moving);

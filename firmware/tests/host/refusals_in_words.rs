@@ -30,6 +30,7 @@ fn every_end_of_a_stream_reads_as_a_sentence() {
         StreamError::Rate,
         StreamError::NoTorque,
         StreamError::Belts,
+        StreamError::LateTorque,
     ];
     differ(&begun.map(|error| error.to_string()));
     let texts = [

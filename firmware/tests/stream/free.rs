@@ -297,7 +297,7 @@ fn an_emergency_stop_and_a_disarm_switch_off_at_once() {
 }
 
 #[test]
-fn moves_are_refused_meanwhile_and_an_arm_on_belts_gives_way_to_no_hand() {
+fn moves_are_refused_meanwhile_and_arms_on_belts_or_with_late_torques_give_way_to_no_hand() {
     let mut led = Led::begin(&settings());
     let kind = MoveKind::Dwell { duration: 0.1 };
     let (tag, tool) = (1, 0);
@@ -322,4 +322,13 @@ fn moves_are_refused_meanwhile_and_an_arm_on_belts_gives_way_to_no_hand() {
     let mut rig = Rig::armed(&belts);
     let begun = rig.planner.begin_stream(&mut rig.controller, &config());
     assert_eq!(begun, Err(StreamError::Belts));
+    let late = with(|settings| {
+        settings
+            .axes
+            .iter_mut()
+            .for_each(|axis| axis.encoder_latency = 1e-3);
+    });
+    let mut rig = Rig::armed(&late);
+    let begun = rig.planner.begin_stream(&mut rig.controller, &config());
+    assert_eq!(begun, Err(StreamError::LateTorque));
 }

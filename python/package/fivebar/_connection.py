@@ -194,7 +194,7 @@ class LiveArm:
         """Lets a hand lead the arm for so long [s], or until :meth:`stop`; then it is held. Returns the motion of its tip.
 
         The motors are on and give way; they carry the arm's weight and a part of its friction. Walls keep it within its angles and
-        away from singularities. Arms on steppers, hobby servos and belts refuse. See ``docs/use/streaming.md``.
+        away from singularities. Arms on steppers, hobby servos, a CAN bus and belts refuse. See ``docs/use/streaming.md``.
         """
         return TaughtPath(self._connection.be_led(_positive("seconds", seconds)))
 

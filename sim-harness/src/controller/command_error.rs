@@ -28,6 +28,7 @@ pub fn sentence(error: &CommandError) -> String {
             }
             other => format!("The request is refused: {other}."),
         },
+        CommandError::Stream(error) => format!("No stream begins: {error}."),
         CommandError::NoSettings => {
             "The controller has no settings: store the robot's settings with --upload.".into()
         }

@@ -20,6 +20,8 @@ pub enum StreamError {
     NoTorque,
     /// The motors are behind belts, so their angles are not those of the joints.
     Belts,
+    /// The torques act more than 1 ms after the angles that they are for, as over a CAN bus.
+    LateTorque,
 }
 
 /// What a stream does.
@@ -95,8 +97,10 @@ impl fmt::Display for StreamError {
             }
             Self::Rate => f.write_str("the delay must be 2 to 200 ms, and one to 26 periods"),
             Self::NoTorque => f.write_str(
-                "steppers and hobby servos follow a motion and give no torque: a hand leads arms with brushed motors and drives \
-                 on CAN",
+                "steppers and hobby servos follow a motion and give no torque: a hand leads arms with brushed motors",
+            ),
+            Self::LateTorque => f.write_str(
+                "torques over a CAN bus act more than 1 ms late: a hand leads arms with brushed motors",
             ),
             Self::Belts => f.write_str(
                 "the motors are behind belts, and the hand turns the joints: no hand leads this arm",

@@ -11,6 +11,7 @@ impl From<TouchError> for StreamError {
         match error {
             TouchError::NoTorque => Self::NoTorque,
             TouchError::Belts => Self::Belts,
+            TouchError::LateTorque => Self::LateTorque,
             TouchError::Moving => Self::Moving,
         }
     }
