@@ -36,9 +36,9 @@ const FREE_SPEED: f32 = 0.8;
 const BRAKING: f32 = 200.0;
 /// The greatest product of that rate and the loop's delay: a quarter of what makes it swing.
 const BRAKING_DELAY: f32 = 0.35;
-/// The longest time from a joint's angle to its torque [s]. In simulation a leg on a CAN bus, 2 ms, leaves its limits when nobody
-/// holds it.
-const LONGEST_DELAY: f32 = 1e-3;
+/// The longest time from a joint's angle to its torque [s] with which an arm gives way to a hand. In simulation a leg on a CAN bus,
+/// with 2 ms, left its limits when nobody held it; why is not known.
+const LONGEST_DELAY: f32 = 2.25e-3;
 /// The share of the friction that is fed forward.
 const FRICTION: f32 = 0.7;
 /// The bandwidth of the walls as a share of that of the position loop.

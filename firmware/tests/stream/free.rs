@@ -326,7 +326,7 @@ fn moves_are_refused_meanwhile_and_arms_on_belts_or_with_late_torques_give_way_t
         settings
             .axes
             .iter_mut()
-            .for_each(|axis| axis.encoder_latency = 1e-3);
+            .for_each(|axis| axis.encoder_latency = 2.5e-3);
     });
     let mut rig = Rig::armed(&late);
     let begun = rig.planner.begin_stream(&mut rig.controller, &config());

@@ -20,7 +20,7 @@ pub enum StreamError {
     NoTorque,
     /// The motors are behind belts, so their angles are not those of the joints.
     Belts,
-    /// The torques act more than 1 ms after the angles that they are for, as over a CAN bus.
+    /// The torques act more than 2.25 ms after the angles that they are for, as over a CAN bus.
     LateTorque,
 }
 
@@ -100,7 +100,7 @@ impl fmt::Display for StreamError {
                 "steppers and hobby servos follow a motion and give no torque: a hand leads arms with brushed motors",
             ),
             Self::LateTorque => f.write_str(
-                "torques over a CAN bus act more than 1 ms late: a hand leads arms with brushed motors",
+                "the torques, as those over a CAN bus, act more than 2.25 ms late: a hand leads arms with brushed motors",
             ),
             Self::Belts => f.write_str(
                 "the motors are behind belts, and the hand turns the joints: no hand leads this arm",

@@ -295,7 +295,7 @@ fn a_hand_teaches_arms_with_brushed_motors_and_others_are_told_why_not() {
         ];
         let why = match other_drives(arm) {
             None => None,
-            Some("has drives on a CAN bus") => Some("torques over a CAN bus"),
+            Some("has drives on a CAN bus") => Some("over a CAN bus"),
             Some(_) => Some("steppers and hobby servos"),
         };
         if let Some(why) = why {

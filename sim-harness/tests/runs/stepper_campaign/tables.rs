@@ -9,7 +9,7 @@ const SEEDS: [u64; 2] = [3, 503];
 /// Jobs that a rival is tuned on, and fresh ones that it is compared with.
 const JOBS: [u64; 2] = [8, 20];
 /// Seed, arms and jobs of each arm of the campaign.
-const CAMPAIGN: [u64; 3] = [2, 100, 20];
+const CAMPAIGN: [u64; 3] = [7, 100, 20];
 
 const PAGE: &str = include_str!("../../../../docs/verify/stepper-motion.md");
 
