@@ -12,6 +12,7 @@ use fivebar_firmware::drives::BrushedCommand;
 use fivebar_firmware::{ActuatorCommand, SensorSample};
 use fivebar_kinematics::five_bar::{Geometry, Joint, Side};
 use fivebar_plant::{FaultKind, Hands, Plant, State};
+use nalgebra::Vector2;
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
 
@@ -170,6 +171,11 @@ impl Arm {
             geometry,
             assembly,
         });
+    }
+
+    /// Pulls the tool with this force [N].
+    pub fn pull_tool(&mut self, force: Vector2<f64>) {
+        self.plant.set_tool_force(force);
     }
 
     /// Lets go of the arm.

@@ -77,3 +77,26 @@ fn every_section_is_checked_as_a_whole() {
     let applied = driven.client.write_settings(&settings()).expect("a line");
     assert_eq!(applied, Ok(()));
 }
+
+#[test]
+fn every_section_is_read_back_as_it_was_written() {
+    let mut written = settings();
+    written.payload += 0.01;
+    written.advanced.pen_friction = 0.25;
+    written.motion.corner_tolerance *= 0.5;
+    let mut driven = bench::Bench::with(
+        fivebar_chip::Options::default(),
+        Vec::new(),
+        fivebar_chip::time::MILLISECOND,
+    )
+    .ready_as(&written);
+    let mut read = Settings {
+        payload: 0.0,
+        ..settings()
+    };
+    driven
+        .client
+        .read_settings(&mut read)
+        .expect("the sections");
+    assert_eq!(read, written);
+}

@@ -51,6 +51,20 @@ fn with_pause(mut next: impl FnMut() -> Given) -> impl FnMut() -> Given {
     }
 }
 
+/// The same, with pauses of growing length: in some the arm has begun to slow down, but not come to rest.
+fn with_growing_pauses(mut next: impl FnMut() -> Given) -> impl FnMut() -> Given {
+    let mut calls = 0_u32;
+    move || {
+        calls += 1;
+        let (number, within) = (calls / 30, calls % 30);
+        // None in the last half second: the end would lie beside the last point.
+        if number < 12 && within < 2 * number {
+            return Given::Nothing;
+        }
+        next()
+    }
+}
+
 fn options(mode: StreamMode) -> StreamOptions {
     StreamOptions {
         mode,
@@ -96,6 +110,20 @@ fn half_a_circle_and_the_way_back_with_a_pause_are_followed_and_a_stream_beyond_
     for (angle, begun) in status.angle.into_iter().zip(begun) {
         assert!((f64::from(angle) - begun).abs() < 1e-3, "{status:?}");
     }
+
+    let mut drive = Drive::new(&mut driven.client, &|| false);
+    let followed = drive.follow_stream(
+        &StreamOptions {
+            rate: 100.0,
+            ..options(StreamMode::Tip)
+        },
+        TICK_RATE,
+        &mut with_growing_pauses(program(2 * POINTS, half_circle)),
+    );
+    followed.expect("half a circle, late again and again");
+    let [tool_x, tool_y] = driven.status().tool.expect("a position").map(f64::from);
+    let off = (tool_x - x).hypot(tool_y - y - 2.0 * RADIUS);
+    assert!(off < 5e-5, "{off} m off");
 
     let away = |share: f64| [x, y + 0.4 * share];
     let mut drive = Drive::new(&mut driven.client, &|| false);
