@@ -2,6 +2,7 @@
 
 mod design_specs;
 mod document;
+mod drive_faults;
 mod drive_keys;
 mod dxf_drawings;
 mod factors;
