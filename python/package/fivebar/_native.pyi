@@ -49,6 +49,7 @@ __all__ = [
     "simulated_log",
     "slider_accuracy",
     "statuses",
+    "taught_path_as",
     "workspace",
 ]
 
