@@ -90,10 +90,12 @@ def the_tool_goes_around_the_drawing(page):
     """It begins and ends at the lower left corner; a test of the server looks at the whole way."""
     browser = page.browser
     corner = [field(browser, "left"), field(browser, "low")]
+    middle = [low + span / 2 for low, span in zip(corner, size(browser))]
     def off():
         return max(abs(at - wanted) for at, wanted in zip(page.tool(), corner))
     page.wait_for_rest()
-    assert off() > 2, f"the tool is at {page.tool()} already"
+    moving.drag_the_tool(page, moving.pixel_of(page, middle))
+    assert off() > 5, f"the tool is at {page.tool()}, near the corner, before it goes around"
     page.ask("#frame")
     page.wait_for_notice("goes around the drawing")
     browser.wait("the way around", lambda: off() < 0.2 and page.at_rest())

@@ -1,7 +1,7 @@
 //! Bounds of time and stack of the firmware images.
 //!
 //! ```text
-//! fivebar-bounds check <folder of the images>              compares with bounds/figures.txt
+//! fivebar-bounds check <folder of the images>              compares with verify/bounds/figures.txt
 //! fivebar-bounds print <folder of the images>              prints the figures to commit
 //! fivebar-bounds document                              the table of docs/verify/bounds.md, from the committed figures
 //! fivebar-bounds path  <folder of the images> <image> <function>   the longest path's addresses
@@ -117,7 +117,7 @@ fn check(folder: &Path) -> Result<String, String> {
     }
     Err(format!(
         "{now}{}\nif that is right, commit the figures: \
-         cargo run --package fivebar-bounds -- print <folder> > bounds/figures.txt",
+         cargo run --package fivebar-bounds -- print <folder> > verify/bounds/figures.txt",
         differences.join("\n")
     ))
 }
