@@ -68,6 +68,7 @@ semver() { scripts/semver.sh || { [ $? -eq 77 ] && not_checked+=(semver); }; }
 peers() { scripts/peers.sh; }
 browser() { scripts/browser.sh; }
 python() { scripts/python.sh; }
+ros() { scripts/ros.sh; }
 senders() { scripts/senders.sh; }
 emulated_senders() { scripts/senders.sh --emulated; }
 targets() { scripts/targets.sh; }
@@ -98,7 +99,7 @@ demo() { cargo run --quiet "${with_features[@]}" -- --out "$built/demonstration"
 
 all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated machine bring_up senders)
 # These compile nearly everything once more, in another way. A release needs them; a push takes them as jobs of their own.
-by_name=(fuzz package mutants msrv semver)
+by_name=(ros fuzz package mutants msrv semver)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
 # build in folders of their own, or with the features of the other steps: the program in `target` is theirs.
 beside=(chip emulated emulated_senders)

@@ -28,6 +28,7 @@ reason_not_to_run() {
         ;;
     'cargo install '*) echo "it installs a program for the user" ;;
     'verify/fuzz/'*) names_steps fuzz && echo "ci.sh's step fuzz builds the targets and runs them" ;;
+    'cargo run --features ros '*) names_steps ros && echo "ci.sh's step ros does this" ;;
     'scripts/mutants.sh'* | 'firmware/mistakes.py') echo "it takes hours" ;;
     'scripts/browser_arm.sh' | 'cargo run -p fivebar-browser'*) names_steps browser && echo "ci.sh's step browser does this" ;;
     'python3 -m http.server'*) echo "it runs until it is interrupted" ;;

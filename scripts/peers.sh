@@ -7,9 +7,9 @@ cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
 
 venv=$built/peers-venv
-if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros1, pinocchio, pydot, vpype' 2>/dev/null; then
+if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros2, rosbags, pinocchio, pydot, vpype' 2>/dev/null; then
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet mujoco mcap mcap-ros1-support pin pydot vpype
+    "$venv/bin/pip" install --quiet mujoco mcap mcap-ros2-support rosbags pin pydot vpype
 fi
 out=$built/peers
 mkdir -p "$out"

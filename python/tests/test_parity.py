@@ -47,6 +47,7 @@ ELSEWHERE = {
     "replay": "of a controller",
     "teach": "of a controller",
     "pil": "of the emulated board; its figures are those of sim, with instructions",
+    "ros": "a program of ROS has rclpy",
     "serve": "of a browser",
     "settings": "of a controller",
 }

@@ -5,6 +5,8 @@ pub mod cli;
 mod commission;
 pub mod doctor;
 mod job_process;
+#[cfg(feature = "ros")]
+pub mod ros;
 pub mod senders;
 pub mod serve;
 #[cfg(test)]

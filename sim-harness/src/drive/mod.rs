@@ -20,7 +20,7 @@ use fivebar_firmware::{Move, Planner, Request, Settings, Status};
 pub use controlled::Controlled;
 pub use error::DriveError;
 pub use job::job_moves;
-pub use stream::Given;
+pub use stream::{Given, held_angles};
 pub use touch::LED_PERIOD;
 
 /// Number of reads after which homing has failed: 60 s.

@@ -174,17 +174,20 @@ impl<C: Controlled> Drive<'_, C> {
 /// Where the arm is held.
 fn place(mode: StreamMode, status: &Status) -> Option<[f64; 2]> {
     let place = match mode {
-        // The reference's angles are known but for whole turns.
-        StreamMode::Joint => status.joint_reference.map(|reference| {
-            let turn = std::f32::consts::TAU;
-            [0, 1].map(|k| {
-                let (measured, held) = (status.angle[k], reference.angle[k]);
-                held + turn * ((measured - held) / turn).round()
-            })
-        }),
+        StreamMode::Joint => held_angles(status),
         StreamMode::Tip | StreamMode::Free => status.reference,
     };
     place.map(|place| place.map(f64::from))
+}
+
+/// θ1, θ4 at which the arm is held [rad], with the whole turns of the measured ones; none: it is not held.
+pub fn held_angles(status: &Status) -> Option<[f32; 2]> {
+    let reference = status.joint_reference?;
+    let turn = std::f32::consts::TAU;
+    Some([0, 1].map(|k| {
+        let (measured, held) = (status.angle[k], reference.angle[k]);
+        held + turn * ((measured - held) / turn).round()
+    }))
 }
 
 pub(super) fn ended(state: Option<StreamState>) -> DriveError {

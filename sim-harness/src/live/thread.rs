@@ -20,6 +20,9 @@ const WAKING: u32 = 20;
 /// Time between two looks for a stop while an arm whose time stands still waits for a point.
 const LOOK: Duration = Duration::from_millis(10);
 
+/// Time in which a program gives its next point after one was taken. Several are due in a round of 10 ms at high rates.
+const NEXT: Duration = Duration::from_millis(2);
+
 /// What is to be done.
 pub(super) enum Task {
     Home(Homing),
@@ -217,10 +220,10 @@ impl Watched {
 /// What the program gives now. The time of an arm that keeps no real time stands still until it gives something.
 fn next(given: &Receiver<SetPoint>, pace: Pace, shared: &Shared) -> Given {
     match pace {
-        Pace::RealTime => match given.try_recv() {
+        Pace::RealTime => match given.recv_timeout(NEXT) {
             Ok(point) => Given::Point(point),
-            Err(TryRecvError::Empty) => Given::Nothing,
-            Err(TryRecvError::Disconnected) => Given::End,
+            Err(RecvTimeoutError::Timeout) => Given::Nothing,
+            Err(RecvTimeoutError::Disconnected) => Given::End,
         },
         Pace::AsFastAsPossible => loop {
             match given.recv_timeout(LOOK) {

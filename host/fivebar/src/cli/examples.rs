@@ -190,6 +190,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         &["fivebar robots", "fivebar robots benchtop > my-arm.toml"],
     ),
     (
+        "ros",
+        &[
+            "fivebar ros",
+            "fivebar ros --robot my-arm.toml --port /dev/ttyUSB0 --domain 7",
+        ],
+    ),
+    (
         "serve",
         &[
             "fivebar serve",

@@ -43,6 +43,7 @@ mod repeat;
 mod replay;
 mod rewrite;
 mod robots;
+mod ros;
 mod run_args;
 mod say;
 mod serve;
@@ -99,6 +100,7 @@ enum Command {
     Query(query::Args),
     Replay(replay::Args),
     Robots(robots::Args),
+    Ros(ros::Args),
     Serve(serve::Args),
     Settings(settings::Args),
     Sim(sim::Args),
@@ -150,6 +152,7 @@ pub fn main() -> ExitCode {
             Command::Query(args) => query::run(&args),
             Command::Replay(args) => replay::run(&args),
             Command::Robots(args) => robots::run(&args),
+            Command::Ros(args) => ros::run(&args),
             Command::Serve(args) => serve::run(&args),
             Command::Settings(args) => settings::run(&args),
             Command::Sim(args) => sim::run(&args),

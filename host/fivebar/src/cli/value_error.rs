@@ -35,6 +35,8 @@ pub(super) enum ValueError {
     Rate,
     #[error("give a number of seconds from 0.1 to 600")]
     TeachTime,
+    #[error("give a number of messages per second from 1 to 200")]
+    RosRate,
     #[error("give a number of seconds from 0.1 to 3600")]
     Seconds,
     #[error("give a positive number")]
