@@ -9,10 +9,6 @@ use super::value_error::ValueError;
 /// No ROS has to be installed, but the program must be built with `--features ros`. By default the arm is simulated in real
 /// time.
 #[derive(clap::Args)]
-#[cfg_attr(
-    not(feature = "ros"),
-    expect(dead_code, reason = "only a program with ROS 2 reads them")
-)]
 pub(super) struct Args {
     #[command(flatten)]
     controller: ControllerArgs,

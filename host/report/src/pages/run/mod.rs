@@ -1,5 +1,6 @@
 //! The report of a run: the motion, its errors and its loads.
 
+mod answers;
 mod by_cause;
 mod drives;
 mod loads;
@@ -47,6 +48,7 @@ impl RunReport<'_> {
         } else {
             page.failure(&self.outcome());
         }
+        self.add_answers(&mut page);
         let time = summary.job_s.map(|time| format!("{time:.2} s"));
         let time = [("job time", time.unwrap_or_else(|| "–".into()))];
         let figures = [

@@ -104,7 +104,8 @@ fn shows_the_whole_run_in_one_small_offline_page() {
     for part in [
         "benchtop draws circle",
         "Drawn: the tip was 20.0 µm from its place at most while the tool was down, and 1.00 mm are allowed.",
-        "20.0 µm",
+        "60.0 × 60.0 mm were meant, 60.0 × 60.0 mm drawn; width and height differ by 40.0 µm at most",
+        "20.0 µm at most, less than you see",
         "10.0 times as large",
         "40× real time",
         "error magnified 50×",
