@@ -45,7 +45,7 @@ mod _native {
     #[pymodule_export]
     use super::photo::{photo, photo_marks};
     #[pymodule_export]
-    use super::plant::Plant;
+    use super::plant::{Plant, Plants};
     #[pymodule_export]
     use super::positions::{forward, inverse, mode_change};
     #[pymodule_export]

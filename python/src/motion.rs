@@ -1,7 +1,8 @@
 //! Forward and inverse velocities and accelerations; each row is a state.
 
-use crate::batch::{Answer, common, rows, solve};
-use crate::positions::{Numbers, Signs, number};
+use crate::batch::Field::{Number, Pair, Sign};
+use crate::batch::{Answer, Argument as _, Pairs, Signs, common, solve};
+use crate::positions::number;
 use crate::robot::Robot;
 use crate::status::Problem;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
@@ -19,16 +20,24 @@ pub(crate) struct Motion {
 pub(crate) fn motion<'py>(
     py: Python<'py>,
     robot: &Robot,
-    theta: Numbers<'py>,
-    omega: Numbers<'py>,
-    alpha: Numbers<'py>,
+    theta: Pairs<'py>,
+    omega: Pairs<'py>,
+    alpha: Pairs<'py>,
     assembly: Signs<'py>,
 ) -> PyResult<Answer<'py>> {
     let tool = robot.tool(py)?;
-    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
-    let (omega, alpha) = (rows(&omega)?, rows(&alpha)?);
-    let count = common([theta.len(), omega.len(), alpha.len(), assembly.len()])?;
-    solve(py, count, &[2, 2, 2, 1, 1, 1, 1, 2, 2, 2], |row| {
+    let count = common([
+        theta.count(),
+        omega.count(),
+        alpha.count(),
+        assembly.count(),
+    ])?;
+    let (theta, assembly) = (theta.rows()?, assembly.rows()?);
+    let (omega, alpha) = (omega.rows()?, alpha.rows()?);
+    let fields = [
+        Pair, Pair, Pair, Number, Number, Number, Number, Pair, Pair, Pair,
+    ];
+    solve(py, count, &fields, |row| {
         let Motion {
             pose,
             velocities,
@@ -54,24 +63,26 @@ pub(crate) fn motion<'py>(
 pub(crate) fn inverse_motion<'py>(
     py: Python<'py>,
     robot: &Robot,
-    points: Numbers<'py>,
-    velocity: Numbers<'py>,
-    acceleration: Numbers<'py>,
+    points: Pairs<'py>,
+    velocity: Pairs<'py>,
+    acceleration: Pairs<'py>,
     elbow1: Signs<'py>,
     elbow4: Signs<'py>,
     of_tool: bool,
 ) -> PyResult<Answer<'py>> {
     let placed = robot.placed(py, of_tool)?;
-    let (points, elbow1, elbow4) = (rows(&points)?, rows(&elbow1)?, rows(&elbow4)?);
-    let (velocity, acceleration) = (rows(&velocity)?, rows(&acceleration)?);
     let count = common([
-        points.len(),
-        velocity.len(),
-        acceleration.len(),
-        elbow1.len(),
-        elbow4.len(),
+        points.count(),
+        velocity.count(),
+        acceleration.count(),
+        elbow1.count(),
+        elbow4.count(),
     ])?;
-    solve(py, count, &[1; 13], |row| {
+    let (points, elbow1, elbow4) = (points.rows()?, elbow1.rows()?, elbow4.rows()?);
+    let (velocity, acceleration) = (velocity.rows()?, acceleration.rows()?);
+    let mut fields = [Number; 13];
+    fields[12] = Sign;
+    solve(py, count, &fields, |row| {
         let pose = placed.pose(points[row], elbow1[row], elbow4[row])?;
         let (velocities, accelerations) =
             placed.motion(&pose, velocity[row].into(), acceleration[row].into())?;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -180,6 +181,7 @@ class ArmStudies:
             raise FivebarError(f"samples must be 2 or more, not {samples!r}")
         pairs = {"at": at, "velocity": velocity, "acceleration": acceleration, "force": force}
         state = [pair(name, value) for name, value in pairs.items()]
+        _warn(self._robot)
         parts = None
         if client is not None:
             parts = _parts(self._robot, state, samples, seed, client, progress)
@@ -203,6 +205,8 @@ class ArmStudies:
             raise FivebarError("give wanted and classes together")
         corners = None if region is None else [float(number) for number in region]
         limit = None if wanted is None or classes is None else (wanted, os.fspath(classes))
+        if limit is None:
+            _warn(self._robot)
         found = _native.accuracy_map_of(self._robot, corners, pair("force", force), limit)
         return dict(json.loads(found))
 
@@ -223,6 +227,7 @@ class ArmStudies:
         name, text = _studies.text_of(job)
         place = None if origin is None else pair("origin", origin)
         strength = pair("force", force)
+        _warn(self._robot)
         found = _native.accuracy_along(self._robot, name, text, place, scale, strength)
         return dict(json.loads(found))
 
@@ -313,6 +318,12 @@ class ArmStudies:
         Ten periods of the first or the second of the :meth:`excitations`, a row for every tick.
         """
         return np.array(_native.simulated_log(self._robot, second))
+
+
+def _warn(robot: _native.Robot) -> None:
+    """Warns where all deviations are 0 because the robot has no tolerances."""
+    if robot.without_tolerance is not None:
+        warnings.warn(robot.without_tolerance, stacklevel=3)
 
 
 def _parts(
