@@ -42,17 +42,21 @@ impl<'py> FromPyObject<'_, 'py> for Pairs<'py> {
                 _ => Err(PyTypeError::new_err("no pairs")),
             };
         }
-        if let Ok(pair) = given.cast::<PyTuple>() {
-            let (x, y) = pair.extract::<(f64, f64)>()?;
-            return Ok(Self::One([[x, y]]));
-        }
-        let pair = given.cast::<PyList>()?;
-        match pair.len() {
-            2 => Ok(Self::One([[
-                pair.get_item(0)?.extract()?,
-                pair.get_item(1)?.extract()?,
-            ]])),
-            _ => Err(PyTypeError::new_err("no pair")),
+        let number = |item: PyResult<Bound<'_, PyAny>>| item.ok()?.extract::<f64>().ok();
+        let pair = if let Ok(pair) = given.cast::<PyTuple>()
+            && pair.len() == 2
+        {
+            number(pair.get_item(0)).zip(number(pair.get_item(1)))
+        } else if let Ok(pair) = given.cast::<PyList>()
+            && pair.len() == 2
+        {
+            number(pair.get_item(0)).zip(number(pair.get_item(1)))
+        } else {
+            None
+        };
+        match pair {
+            Some((x, y)) => Ok(Self::One([[x, y]])),
+            None => Err(PyTypeError::new_err("no pair of numbers")),
         }
     }
 }
@@ -69,7 +73,10 @@ impl<'py> FromPyObject<'_, 'py> for Signs<'py> {
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         match given.cast::<PyArrayDyn<i8>>() {
             Ok(array) if array.ndim() > 0 => Ok(Self::Many(array.readonly())),
-            _ => Ok(Self::One([[given.extract()?]])),
+            _ => match given.extract() {
+                Ok(sign @ -1..=1) => Ok(Self::One([[sign]])),
+                _ => Err(PyTypeError::new_err("no side")),
+            },
         }
     }
 }
@@ -156,6 +163,9 @@ pub(crate) enum Field {
     /// A table of this shape.
     Table(&'static [usize]),
 }
+
+/// A matrix of the driven joints or of x and y, row by row.
+pub(crate) const MATRIX: Field = Field::Table(&[2, 2]);
 
 impl Field {
     fn width(self) -> usize {

@@ -1,7 +1,7 @@
 //! Inverse and forward dynamics; each row is a state.
 
 use crate::batch::Field::{Number, Pair};
-use crate::batch::{Answer, Argument as _, Field, Pairs, Signs, common, solve};
+use crate::batch::{Answer, Argument as _, Field, MATRIX, Pairs, Signs, common, solve};
 use crate::error;
 use crate::motion::Motion;
 use crate::positions;
@@ -13,9 +13,6 @@ use fivebar_design::derivatives::{
 use fivebar_kinematics::dynamics::Arm;
 use nalgebra::Vector2;
 use pyo3::prelude::*;
-
-/// M(q).
-const MATRIX: Field = Field::Table(&[2, 2]);
 
 /// θ, ω, α of the driven joints and the force on C to τ, M, h and the reactions in A
 /// to E.

@@ -1,11 +1,12 @@
 //! Forward and inverse velocities and accelerations; each row is a state.
 
 use crate::batch::Field::{Number, Pair, Sign};
-use crate::batch::{Answer, Argument as _, Pairs, Signs, common, solve};
+use crate::batch::{Answer, Argument as _, MATRIX, Pairs, Signs, common, solve};
 use crate::positions::number;
 use crate::robot::Robot;
 use crate::status::Problem;
 use fivebar_kinematics::five_bar::{Accelerations, Pose, Velocities};
+use nalgebra::Vector2;
 use pyo3::prelude::*;
 
 /// A pose with all velocities and accelerations.
@@ -56,8 +57,35 @@ pub(crate) fn motion<'py>(
     })
 }
 
-/// The position, velocity and acceleration of C, or of the tool, and the elbows' signs to the angles, velocities and accelerations of
-/// links 1 to 4, and the assembly.
+/// θ of the driven joints to ∂(x, y)/∂(θ1, θ4) of C, or of the tool.
+#[pyfunction]
+pub(crate) fn jacobian<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    theta: Pairs<'py>,
+    assembly: Signs<'py>,
+    of_tool: bool,
+) -> PyResult<Answer<'py>> {
+    let tool = robot.tool(py)?;
+    let count = common([theta.count(), assembly.count()])?;
+    let (theta, assembly) = (theta.rows()?, assembly.rows()?);
+    solve(py, count, &[MATRIX], |row| {
+        let pose = robot.pose(theta[row], assembly[row])?;
+        let mut columns = [Vector2::zeros(); 2];
+        for (column, [omega1, omega4]) in columns.iter_mut().zip([[1.0, 0.0], [0.0, 1.0]]) {
+            let velocities = robot.geometry().forward_velocities(&pose, omega1, omega4)?;
+            *column = match of_tool {
+                true => tool.velocity(&pose, &velocities),
+                false => velocities.c,
+            };
+        }
+        let [by1, by4] = columns;
+        Ok([by1.x, by4.x, by1.y, by4.y])
+    })
+}
+
+/// The position, velocity and acceleration of C, or of the tool, and the elbows' signs to the angles of
+/// links 1, 4, 2 and 3, the assembly, and the links' velocities and accelerations in the same order.
 #[allow(clippy::too_many_arguments)]
 #[pyfunction]
 pub(crate) fn inverse_motion<'py>(
@@ -81,7 +109,7 @@ pub(crate) fn inverse_motion<'py>(
     let (points, elbow1, elbow4) = (points.rows()?, elbow1.rows()?, elbow4.rows()?);
     let (velocity, acceleration) = (velocity.rows()?, acceleration.rows()?);
     let mut fields = [Number; 13];
-    fields[12] = Sign;
+    fields[4] = Sign;
     solve(py, count, &fields, |row| {
         let pose = placed.pose(points[row], elbow1[row], elbow4[row])?;
         let (velocities, accelerations) =
@@ -90,7 +118,7 @@ pub(crate) fn inverse_motion<'py>(
         let [w1, w2, w3, w4] = velocities.omega;
         let [a1, a2, a3, a4] = accelerations.alpha;
         let assembly = number(pose.assembly());
-        Ok([t1, t2, t3, t4, w1, w2, w3, w4, a1, a2, a3, a4, assembly])
+        Ok([t1, t4, t2, t3, assembly, w1, w4, w2, w3, a1, a4, a2, a3])
     })
 }
 

@@ -247,7 +247,7 @@ fn plant(
     let parameters = parameters.map_err(|refusal| error::robot(py, refusal))?;
     let pose = pose(py, robot, theta, assembly)?;
     let mut differs = Mismatch::NONE;
-    change(&mut differs, mismatch)?;
+    change(py, &mut differs, mismatch)?;
     let mut arm = TorquePlant::new(&parameters, &differs, &pose);
     if omega != [0.0; 2] {
         set_motion(py, robot, &mut arm, &pose, omega)?;

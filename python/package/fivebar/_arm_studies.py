@@ -11,10 +11,11 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _measured, _native, _studies
+from . import _measured, _native, _plan, _studies
 from ._errors import FivebarError
 from ._many import completed
 from ._measured import Found, Photo
+from ._plan import Path, Plan
 from ._shapes import Floats, pair, rows
 from ._simulation import scenario_of
 
@@ -58,23 +59,31 @@ class ArmStudies:
 
     def plan(
         self,
-        path: Union[_studies.Source, Mapping[str, Any]],
+        path: Path,
         *,
+        limits: Optional[Mapping[str, Any]] = None,
+        corners: Optional[str] = None,
+        spline: bool = False,
         torque_share: float = 1.0,
         jerk: Optional[float] = None,
-    ) -> Dict[str, Any]:
+    ) -> Plan:
         """A time-optimal plan along a path: ``fivebar plan --path --json``.
 
         path: the JSON of a path file, as text, as a dictionary, or as the ``pathlib.Path`` of a
-        file; docs/design/time-optimal.md describes it. torque_share: share of the torque limits, in
+        file; docs/design/time-optimal.md describes it. Or points [m], shape (N, 2), with straight lines between them or, with
+        spline=True, a smooth curve through them. Points need limits, by the names of a path file: ``torque``, ``speed``,
+        ``acceleration`` of both joints, ``voltage``, ``tip_speed``, ``tip_acceleration``; an arm without masses has no limits of
+        torque and voltage. corners: ``"smooth"`` (the default) or ``"stop"``. torque_share: share of the torque limits, in
         (0, 1]. jerk: the greatest joint jerk [rad/s³]. The path's own robot is not looked at.
         Raises :class:`fivebar.StudyError`.
+
+        :meth:`fivebar.Plan.sample` gives the motion at any time.
         """
         if not 0.0 < torque_share <= 1.0:
             raise FivebarError(f"torque_share must be in (0, 1], not {torque_share!r}")
         if jerk is not None and not (jerk > 0.0 and np.isfinite(jerk)):
             raise FivebarError(f"jerk must be a positive finite number, not {jerk!r}")
-        return _studies.plan(self._robot, path, torque_share, jerk)
+        return _plan.plan(self._robot, path, limits, corners, spline, torque_share, jerk)
 
     def crossing(
         self, start: ArrayLike, end: ArrayLike, time: float, *, simulate: bool = False
