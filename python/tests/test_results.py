@@ -83,6 +83,8 @@ def test_results_become_tables(arm):
     assert table["torque_4"].tolist() == found.torque[..., 1].ravel().tolist()
     assert table["mass_matrix_1_4"].tolist() == found.mass_matrix[..., 0, 1].ravel().tolist()
     assert table["reaction_b_y"].tolist() == found.reaction.b[..., 1].ravel().tolist()
+    slopes = arm.derivatives((2.2, 0.9), (1.0, 2.0), order=1)
+    assert slopes.to_pandas()["first_vx_theta4"].tolist() == [slopes.first[2, 1]]
     one = arm.inverse((0.04, 0.2))
     assert one.to_pandas()["theta1"].tolist() == [one.theta1]
     assert set(found.to_dict()) == set(type(found).FIELDS)

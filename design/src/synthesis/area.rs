@@ -287,12 +287,17 @@ impl Samples {
         starts
     }
 
-    /// The lowest value near a sample, by steps to all sides that become shorter.
+    /// A lower value near a sample, by steps that become shorter: in a search by few, to be quick; in a check the lowest.
     pub(super) fn lowest_near(
         &self,
+        density: Density,
         mut point: [f64; 2],
         value: impl Fn([f64; 2]) -> f64,
     ) -> [f64; 2] {
+        let (sides, most_steps) = match density {
+            Density::Search => (&SIDES[..4], 1),
+            Density::Check => (&SIDES[..], MOST_STEPS),
+        };
         let ranges = self.domain.ranges(point);
         let spans = ranges.map(|[low, high]| high - low);
         let mut lowest = value(point);
@@ -303,14 +308,14 @@ impl Samples {
         };
         for _ in 0..HALVINGS {
             share *= 0.5;
-            for _ in 0..MOST_STEPS {
+            for _ in 0..most_steps {
                 let from = point;
-                for side in SIDES {
+                for side in sides {
                     let tried = std::array::from_fn(|axis| {
                         let [low, high] = ranges[axis];
-                        (from[axis] + side[axis] * share * spans[axis]).clamp(low, high)
+                        (point[axis] + side[axis] * share * spans[axis]).clamp(low, high)
                     });
-                    if tried == from {
+                    if tried == point {
                         continue;
                     }
                     let value = value(tried);

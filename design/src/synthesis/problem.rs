@@ -252,7 +252,7 @@ impl<'a> Problem<'a> {
         };
         let mut lowest = (f64::INFINITY, [0.0; 2]);
         for start in self.check.lowest(lengths[4], value_at) {
-            let sample = self.check.lowest_near(start, value_at);
+            let sample = self.check.lowest_near(Density::Check, start, value_at);
             let value = value_at(sample);
             if value < lowest.0 {
                 lowest = (value, point(sample).into());
@@ -474,12 +474,12 @@ impl<'a> Problem<'a> {
         if worst.margin < 0.0 {
             return worst;
         }
-        let lowest = samples.lowest_near(places[0], |sample| at(sample)[mode].margin);
+        let lowest = samples.lowest_near(density, places[0], |sample| at(sample)[mode].margin);
         let worst = worst.and(at(lowest)[mode]);
         if measure.is_none() {
             return worst;
         }
-        let lowest = samples.lowest_near(places[1], |sample| at(sample)[mode].merit);
+        let lowest = samples.lowest_near(density, places[1], |sample| at(sample)[mode].merit);
         worst.and(at(lowest)[mode])
     }
 

@@ -6,7 +6,9 @@ use nalgebra::Vector2;
 
 fn path() -> [PathPiece; 1] {
     let points = [[0.0, 0.15], [0.02, 0.18], [0.06, 0.17], [0.08, 0.14]];
-    [PathPiece::Waypoints(Waypoints::new(&points.map(Vector2::from)).unwrap())]
+    [PathPiece::Waypoints(
+        Waypoints::new(&points.map(Vector2::from)).unwrap(),
+    )]
 }
 
 fn runs() -> Vec<(Run, PlanLimits)> {
@@ -30,7 +32,10 @@ fn it_passes_the_even_points_at_their_times_and_is_its_own_derivative() {
             let [s, s_dot, _] = run.at(sample.t);
             let fastest = run.length / run.time;
             assert!((s - sample.s).abs() < 1e-4 * run.length, "{s} {sample:?}");
-            assert!((s_dot - sample.s_dot).abs() < 2e-2 * fastest, "{s_dot} {sample:?}");
+            assert!(
+                (s_dot - sample.s_dot).abs() < 2e-2 * fastest,
+                "{s_dot} {sample:?}"
+            );
         }
         let step = 1e-7 * run.time;
         let mut differing = 0;
@@ -39,7 +44,10 @@ fn it_passes_the_even_points_at_their_times_and_is_its_own_derivative() {
             let [low, high] = [-step, step].map(|by| run.at(t + by));
             let [_, s_dot, s_ddot] = run.at(t);
             let slope = (high[0] - low[0]) / (2.0 * step);
-            assert!((slope - s_dot).abs() < 1e-4 * run.length / run.time, "{slope} {s_dot}");
+            assert!(
+                (slope - s_dot).abs() < 1e-4 * run.length / run.time,
+                "{slope} {s_dot}"
+            );
             let slope = (high[1] - low[1]) / (2.0 * step);
             // It jumps with the acceleration.
             differing += u32::from((slope - s_ddot).abs() > 1e-3 * s_ddot.abs().max(1.0));
@@ -70,6 +78,8 @@ fn it_keeps_the_limits_at_any_time() {
             }
         }
         println!("{most} with an excess of {}", run.limit_excess);
-        assert!((0.98..1.02).contains(&most), "{most}");
+        // With a limit of jerk the others are not all reached.
+        let most_allowed = 1.001 + run.limit_excess;
+        assert!((0.8..most_allowed).contains(&most), "{most}");
     }
 }

@@ -24,6 +24,7 @@ __all__ = [
     "Robot",
     "Scenario",
     "Study",
+    "__version__",
     "accuracy",
     "accuracy_along",
     "accuracy_blocks",

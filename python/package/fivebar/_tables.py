@@ -56,7 +56,8 @@ class Table:
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` with the axes of the batch, and of points (``axis``) and joints (``joint``)."""
         xarray = optional("xarray", "to_xarray")
-        variables, coordinates = {}, {}
+        variables: Dict[str, Tuple[Tuple[str, ...], NDArray[Any]]] = {}
+        coordinates: Dict[str, Any] = {}
         for name, array in self.to_dict().items():
             axes = self.FIELDS[name]
             batch = [self.ALONG or f"row_{index}" for index in range(np.ndim(array) - len(axes))]
