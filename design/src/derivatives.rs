@@ -113,9 +113,10 @@ pub fn first_derivatives(
     for i in 0..VARIABLES {
         let unit = |index: usize| f64::from(u8::from(index == i));
         let quantities = quantities(arm, state, |index, value| Dual::new(value, unit(index)))?;
-        for (k, quantity) in quantities.into_iter().enumerate() {
-            value[k] = quantity.value();
-            first[k][i] = quantity.derivative();
+        let rows = value.iter_mut().zip(&mut first);
+        for ((value, row), quantity) in rows.zip(quantities) {
+            *value = quantity.value();
+            row[i] = quantity.derivative();
         }
     }
     Ok((value, first))

@@ -125,7 +125,7 @@ impl Area {
             }
         };
         let domain = match self {
-            Self::Annulus => Domain::Ring,
+            Self::Annulus => Domain::Annulus,
             Self::Rectangle { aspect } => Domain::Rectangle {
                 height: 1.0 / aspect,
             },
@@ -181,7 +181,7 @@ pub(super) struct Samples {
 /// What the two numbers of a sample mean.
 enum Domain {
     /// The share of the width, and the direction [rad].
-    Ring,
+    Annulus,
     /// x and y of a rectangle as wide as 1.
     Rectangle { height: f64 },
     /// The number of a vertex, or between two numbers the share of the way between both; and 0.
@@ -230,7 +230,7 @@ impl Domain {
     /// The ranges of both numbers, of paths those of the point's path.
     fn ranges(&self, point: [f64; 2]) -> [[f64; 2]; 2] {
         match self {
-            Self::Ring => [[0.0, 1.0], [FRAC_PI_2, FRAC_PI_2 + TAU]],
+            Self::Annulus => [[0.0, 1.0], [FRAC_PI_2, FRAC_PI_2 + TAU]],
             Self::Rectangle { height } => [[-0.5, 0.5], [0.0, *height]],
             Self::Paths(vertices) => [vertices.ends(point[0]), [0.0; 2]],
         }
@@ -240,7 +240,7 @@ impl Domain {
 impl Samples {
     /// The points. About a coaxial arm one direction of a ring is as all others.
     pub(super) fn points(&self, base: f64) -> &[[f64; 2]] {
-        match matches!(self.domain, Domain::Ring) && base == 0.0 {
+        match matches!(self.domain, Domain::Annulus) && base == 0.0 {
             true => &self.points[..self.in_one_direction],
             false => &self.points,
         }
@@ -253,7 +253,7 @@ impl Samples {
             place: [x, y],
         } = area;
         let [u, v] = match &self.domain {
-            Domain::Ring => {
+            Domain::Annulus => {
                 let (sin, cos) = v.sin_cos();
                 return Vector2::new(cos, sin) * (y + size * u);
             }

@@ -69,12 +69,16 @@ fn it_keeps_the_limits_at_any_time() {
             let demand = driven.demand(&path[0].at(s)).unwrap();
             let x = s_dot * s_dot;
             let torque = demand.torque(x, s_ddot);
-            for j in 0..2 {
-                let alpha = demand.q1[j] * s_ddot + demand.q2[j] * x;
-                most = most
-                    .max(torque[j].abs() / limits.torque[j])
-                    .max((demand.q1[j] * s_dot).abs() / limits.speed[j])
-                    .max(alpha.abs() / limits.acceleration[j]);
+            let omega = demand.q1.map(|rate| rate * s_dot);
+            let alpha = [0, 1].map(|j| demand.q1[j] * s_ddot + demand.q2[j] * x);
+            for (used, limits) in [
+                (torque, limits.torque),
+                (omega, limits.speed),
+                (alpha, limits.acceleration),
+            ] {
+                for (used, limit) in used.into_iter().zip(limits) {
+                    most = most.max(used.abs() / limit);
+                }
             }
         }
         println!("{most} with an excess of {}", run.limit_excess);
