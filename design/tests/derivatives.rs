@@ -1,6 +1,6 @@
 //! Derivatives by hyper-dual numbers against central differences of the kinematics.
 
-use fivebar_design::derivatives::{QUANTITIES, State, VARIABLES, derivatives};
+use fivebar_design::derivatives::{QUANTITIES, State, VARIABLES, derivatives, first_derivatives};
 use fivebar_kinematics::dynamics::{Arm, Link};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use fivebar_testkit::{Tally, geometry};
@@ -105,6 +105,14 @@ fn both_derivatives_are_those_of_differences_for_random_arms_and_states() {
             return Ok(());
         }
         let found = derivatives(&arm, &state).unwrap();
+        let (value, first) = first_derivatives(&arm, &state).unwrap();
+        prop_assert_eq!(value, found.value);
+        for (alone, both) in first.iter().zip(&found.first) {
+            let scale = both.iter().map(|d| d.abs()).fold(1e-9, f64::max);
+            for (alone, both) in alone.iter().zip(both) {
+                prop_assert!((alone - both).abs() < 1e-12 * scale, "{alone} {both}");
+            }
+        }
         let x = row(&arm, &state);
         for (found, expected) in found.value.into_iter().zip(values(&arm, &state).unwrap()) {
             prop_assert!((found - expected).abs() < 1e-11 * expected.abs().max(1e-3));

@@ -1,8 +1,9 @@
 //! Synthesis against known optima, and proofs against what samples miss.
 
 use fivebar_design::Noise;
+use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm, ToolState, analyse};
 use fivebar_design::synthesis::{
-    Area, Measure, Objective, Proof, Specification, Synthesis, Tolerance, prove, synthesise,
+    Area, Design, Measure, Objective, Proof, Specification, Synthesis, Tolerance, prove, synthesise,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -338,6 +339,147 @@ fn the_best_arms_by_torque_speed_and_stiffness_are_not_beaten_by_a_grid() {
         );
         assert_eq!(answer.proof, Proof::Proved);
     }
+}
+
+/// 1/κ, torque, speed, stiffness and error of an arm, elbows out, with C at a point from A, by the kinematics and by
+/// the analysis of accuracy.
+fn by_the_analyses(lengths: [f64; 5], c: Vector2<f64>) -> Option<[f64; 5]> {
+    let geometry = Geometry::new(lengths).ok()?;
+    let working_mode = WorkingMode::new(Side::Right, Side::Left);
+    let pose = geometry.inverse(c, working_mode).ok()?;
+    let jacobian = geometry.jacobian(&pose).ok()?;
+    let matrix = jacobian.matrix();
+    let inverse = matrix.try_inverse()?;
+    let arm = TolerancedArm {
+        geometry: &geometry,
+        arm: None,
+        working_mode,
+        tolerance: &ArmTolerance {
+            length_sd: [TOLERANCE.length; 5],
+            input_sd: [TOLERANCE.angle; 2],
+            ..ArmTolerance::default()
+        },
+    };
+    let [one, other] = jacobian.singular_values();
+    Some([
+        jacobian.inverse_condition(),
+        matrix.column(0).norm().max(matrix.column(1).norm()),
+        1.0 / inverse.row(0).norm().max(inverse.row(1).norm()),
+        one.max(other).powi(-2),
+        analyse(&arm, &ToolState::at_rest(c))
+            .ok()?
+            .radial_deviation(),
+    ])
+}
+
+/// Each figure of a design, where it is, and +1 where the least is the worst.
+fn figures(design: &Design) -> [(f64, [f64; 2], f64); 5] {
+    let (measures, worst) = (design.measures, design.worst_points);
+    [
+        (design.dexterity, worst.dexterity, 1.0),
+        (measures.torque, worst.torque, -1.0),
+        (measures.speed, worst.speed, 1.0),
+        (measures.stiffness, worst.stiffness, 1.0),
+        (measures.error, worst.error, -1.0),
+    ]
+}
+
+/// An arm with unlike legs for a rectangle, one for a drawing whose worst points lie between its corners, and a ring.
+fn designs() -> Vec<(Synthesis, Area)> {
+    let rectangle = Area::Rectangle { aspect: 1.5 };
+    let triangle = [[0.0, 0.0], [3.0, 0.2], [1.0, 2.0], [0.0, 0.0]];
+    let drawing = Area::paths(&[triangle.to_vec(), vec![[2.5, 1.5]]]).unwrap();
+    let sought = [Measure::Stiffness, Measure::Error, Measure::Torque];
+    let areas = [rectangle, drawing, Area::Annulus].into_iter().zip(sought);
+    let solved = areas.map(|(area, measure)| {
+        let is_ring = area == Area::Annulus;
+        let specification = Specification {
+            symmetric: is_ring,
+            base: if is_ring { [0.0; 2] } else { [0.04, 0.2] },
+            link_sum: 0.5,
+            tolerance: TOLERANCE,
+            objective: Objective::Measure(measure, 0.15),
+            ..leg(area.clone(), 0.3)
+        };
+        (solve(&specification), area)
+    });
+    solved.collect()
+}
+
+#[test]
+fn each_figure_is_that_of_the_analyses_at_its_worst_point() {
+    for (answer, _) in designs() {
+        for design in [answer.best, answer.whole] {
+            for (index, (found, at, _)) in figures(&design).into_iter().enumerate() {
+                let known = by_the_analyses(design.lengths, at.into()).unwrap()[index];
+                assert_near(&format!("figure {index} of {design:?}"), found, known, 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn no_point_of_a_fine_grid_is_worse_than_the_worst_point() {
+    for (answer, area) in designs() {
+        let design = answer.best;
+        let [x, y] = design.place;
+        let from_place = |u: f64, v: f64| {
+            Vector2::new(
+                0.5 * design.lengths[4] + x + design.size * u,
+                y + design.size * v,
+            )
+        };
+        let shares = || (0..=600).map(|i| f64::from(i) / 600.0);
+        let points: Vec<_> = match &area {
+            Area::Rectangle { aspect } => shares()
+                .flat_map(|u| shares().map(move |v| [u - 0.5, v]))
+                .map(|[u, v]| from_place(u, v / aspect))
+                .collect(),
+            Area::Paths(paths) => paths
+                .iter()
+                .flat_map(|path| path.windows(2))
+                .flat_map(|ends| {
+                    let along =
+                        |axis: usize, t| ends[0][axis] + t * (ends[1][axis] - ends[0][axis]);
+                    shares().map(move |t| [along(0, t), along(1, t)])
+                })
+                .map(|[u, v]| from_place(u, v))
+                .collect(),
+            // All directions are alike.
+            _ => shares()
+                .map(|u| Vector2::new(0.0, y + design.size * u))
+                .collect(),
+        };
+        let mut worst = [f64::INFINITY; 5];
+        for point in points {
+            let here = by_the_analyses(design.lengths, point).unwrap();
+            for (index, (_, _, sign)) in figures(&design).into_iter().enumerate() {
+                worst[index] = worst[index].min(sign * here[index]);
+            }
+        }
+        for (worst, (found, _, sign)) in worst.into_iter().zip(figures(&design)) {
+            println!("{:.9} {found:.9}", sign * worst);
+            assert!(
+                sign * found <= worst + 1e-9 * worst.abs(),
+                "{found} {worst}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_least_sine_alone_keeps_singularities_out() {
+    let answer = solve(&Specification {
+        dexterity: 0.0,
+        sine: 0.4,
+        ..leg(Area::Annulus, 0.0)
+    });
+    assert_eq!(answer.proof, Proof::Proved);
+    assert!(
+        answer.best.dexterity > 0.1 && answer.best.size > 0.5,
+        "{:?}",
+        answer.best
+    );
 }
 
 #[test]

@@ -300,6 +300,12 @@ impl Drives {
         ended1 + ended4
     }
 
+    /// Puts the drives into these states, with the pen up.
+    pub(crate) fn set_state(&mut self, state: [DriveState; 2]) {
+        self.state = state;
+        self.deflection = Vector2::zeros();
+    }
+
     /// The drives' states.
     pub fn state(&self) -> &[DriveState; 2] {
         &self.state

@@ -55,7 +55,7 @@ pub use pulley::PULLEY_TEETH;
 pub use ripple::RipplePeriods;
 pub use sensors::JointSensors;
 pub use stepper::{DriverMode, Rotor, Stepper, StepperPlant, Windings};
-pub use torque::{GREATEST_STEP, TooFast, TorquePlant};
+pub use torque::{GREATEST_STEP, TooFast, TorquePlant, TorqueState};
 pub use transmission::Transmission;
 pub use wiring::{Wiring, WiringKey};
 pub use worn_joints::{ContactStatistics, WornJoints};

@@ -415,6 +415,11 @@ impl Plant {
         (self.state.q, self.state.v) = (links.q, links.v);
     }
 
+    /// Sets the time since the start [s].
+    pub(crate) fn set_time(&mut self, time: f64) {
+        self.time = time;
+    }
+
     /// Sets the external force on the tool [N].
     pub fn set_tool_force(&mut self, force: Vector2<f64>) {
         self.tool_force = force;

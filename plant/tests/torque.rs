@@ -2,7 +2,7 @@
 
 use fivebar_firmware::Settings;
 use fivebar_kinematics::five_bar::{Joint, Pose};
-use fivebar_plant::{GREATEST_STEP, Mismatch, Parameters, TooFast, TorquePlant};
+use fivebar_plant::{GREATEST_STEP, Mismatch, Parameters, TooFast, TorquePlant, TorqueState};
 use nalgebra::Vector2;
 
 fn parameters() -> Parameters {
@@ -129,4 +129,80 @@ fn a_motion_that_is_not_finite_or_too_fast_is_refused_and_changes_nothing() {
     }
     arm.step([0.05, 0.0], 1e-3).unwrap();
     assert!(Joint::ALL.iter().all(|&j| arm.velocity(j).is_finite()));
+}
+
+#[test]
+fn an_arm_put_back_into_a_state_moves_on_with_the_same_bits() {
+    let parameters = Parameters::from_settings(&Settings::BENCHTOP, 24.0).unwrap();
+    let mismatch = Mismatch {
+        stiction: [0.02, 0.01],
+        payload: 0.05,
+        ..Mismatch::NONE
+    };
+    let new = || TorquePlant::new(&parameters, &mismatch, &pose([2.2, 0.9]));
+    let mut arm = new();
+    for _ in 0..50 {
+        arm.step([0.05, -0.03], 1e-3).unwrap();
+    }
+    let state = arm.state();
+    assert!(state.drives[0].bristles != 0.0, "{state:?}");
+    let numbers = state.to_numbers();
+    assert_eq!(TorqueState::from_numbers(&numbers), state);
+    assert_eq!(numbers[30], arm.time());
+    let mut other = new();
+    other.set_state(&TorqueState::from_numbers(&numbers));
+    for _ in 0..50 {
+        arm.step([-0.02, 0.03], 1e-3).unwrap();
+        other.step([-0.02, 0.03], 1e-3).unwrap();
+    }
+    assert_eq!(bits(&arm), bits(&other));
+    assert_eq!(arm.state(), other.state());
+}
+
+#[test]
+fn an_arm_put_into_a_motion_has_its_angles_and_velocities() {
+    let parameters = parameters();
+    let geometry = *parameters.arm.geometry();
+    let mut arm = TorquePlant::new(&parameters, &Mismatch::NONE, &pose([2.2, 0.9]));
+    let there = pose([2.0, 1.1]);
+    let velocities = geometry.forward_velocities(&there, 3.0, -2.0).unwrap();
+    arm.set_motion(&there, velocities.omega);
+    let [one, four] = Joint::ALL.map(|j| [arm.angle(j), arm.velocity(j)]);
+    for (found, expected) in one.into_iter().chain(four).zip([2.0, 3.0, 1.1, -2.0]) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    assert!((arm.tool() - there.c).norm() < 1e-12);
+    // Without torques and friction it keeps its energy: it goes on as fast.
+    arm.step([0.0; 2], 1e-6).unwrap();
+    assert!((arm.velocity(Joint::Joint1) - 3.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_tolerance_bounds_the_error_and_a_smaller_one_bounds_it_more() {
+    let parameters = parameters();
+    let ended = |tolerance: Option<f64>, step: f64| {
+        let arm = TorquePlant::new(&parameters, &Mismatch::NONE, &pose([2.2, 0.9]));
+        let mut arm = match tolerance {
+            Some(tolerance) => arm.with_tolerance(tolerance),
+            None => arm,
+        };
+        for _ in 0..(0.1 / step).round() as usize {
+            arm.step([0.4, -0.3], step).unwrap();
+        }
+        Joint::ALL.map(|j| arm.angle(j))
+    };
+    let exact = ended(None, 2e-5);
+    let error = |found: [f64; 2]| (found[0] - exact[0]).hypot(found[1] - exact[1]);
+    let [plain, coarse, fine] = [
+        error(ended(None, 1e-3)),
+        error(ended(Some(1e-9), 1e-3)),
+        error(ended(Some(1e-12), 1e-3)),
+    ];
+    println!("{plain:e} {coarse:e} {fine:e}");
+    // 100 steps of 1 ms whose errors add up, and grow on the way.
+    assert!(
+        plain > coarse && coarse > fine,
+        "{plain:e} {coarse:e} {fine:e}"
+    );
+    assert!(coarse < 1e-7 && fine < 1e-9, "{coarse:e} {fine:e}");
 }

@@ -1,11 +1,15 @@
 //! Inverse and forward dynamics; each row is a state.
 
-use crate::batch::{Answer, common, rows, solve};
+use crate::batch::Field::{Number, Pair};
+use crate::batch::{Answer, Argument as _, Field, MATRIX, Pairs, Signs, common, solve};
 use crate::error;
 use crate::motion::Motion;
-use crate::positions::{self, Numbers, Signs};
+use crate::positions;
 use crate::robot::Robot;
-use fivebar_design::derivatives::{QUANTITIES, State, VARIABLES, derivatives as derivatives_of};
+use crate::status::Problem;
+use fivebar_design::derivatives::{
+    QUANTITIES, State, VARIABLES, derivatives as derivatives_of, first_derivatives,
+};
 use fivebar_kinematics::dynamics::Arm;
 use nalgebra::Vector2;
 use pyo3::prelude::*;
@@ -17,23 +21,24 @@ use pyo3::prelude::*;
 pub(crate) fn inverse_dynamics<'py>(
     py: Python<'py>,
     robot: &Robot,
-    theta: Numbers<'py>,
-    omega: Numbers<'py>,
-    alpha: Numbers<'py>,
+    theta: Pairs<'py>,
+    omega: Pairs<'py>,
+    alpha: Pairs<'py>,
+    external_force: Pairs<'py>,
     assembly: Signs<'py>,
-    external_force: Numbers<'py>,
 ) -> PyResult<Answer<'py>> {
     let arm = masses(py, robot)?;
-    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
-    let (omega, alpha, force) = (rows(&omega)?, rows(&alpha)?, rows(&external_force)?);
     let count = common([
-        theta.len(),
-        omega.len(),
-        alpha.len(),
-        assembly.len(),
-        force.len(),
+        theta.count(),
+        omega.count(),
+        alpha.count(),
+        assembly.count(),
+        external_force.count(),
     ])?;
-    solve(py, count, &[2, 4, 2, 2, 2, 2, 2, 2], |row| {
+    let (theta, assembly) = (theta.rows()?, assembly.rows()?);
+    let (omega, alpha, force) = (omega.rows()?, alpha.rows()?, external_force.rows()?);
+    let fields = [Pair, MATRIX, Pair, Pair, Pair, Pair, Pair, Pair];
+    solve(py, count, &fields, |row| {
         let Motion {
             pose,
             velocities,
@@ -57,23 +62,23 @@ pub(crate) fn inverse_dynamics<'py>(
 pub(crate) fn forward_dynamics<'py>(
     py: Python<'py>,
     robot: &Robot,
-    theta: Numbers<'py>,
-    omega: Numbers<'py>,
-    torque: Numbers<'py>,
+    theta: Pairs<'py>,
+    omega: Pairs<'py>,
+    torque: Pairs<'py>,
+    external_force: Pairs<'py>,
     assembly: Signs<'py>,
-    external_force: Numbers<'py>,
 ) -> PyResult<Answer<'py>> {
     let arm = masses(py, robot)?;
-    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
-    let (omega, torque, force) = (rows(&omega)?, rows(&torque)?, rows(&external_force)?);
     let count = common([
-        theta.len(),
-        omega.len(),
-        torque.len(),
-        assembly.len(),
-        force.len(),
+        theta.count(),
+        omega.count(),
+        torque.count(),
+        assembly.count(),
+        external_force.count(),
     ])?;
-    solve(py, count, &[1, 1], |row| {
+    let (theta, assembly) = (theta.rows()?, assembly.rows()?);
+    let (omega, torque, force) = (omega.rows()?, torque.rows()?, external_force.rows()?);
+    solve(py, count, &[Number, Number], |row| {
         let pose = robot.pose(theta[row], assembly[row])?;
         let [omega1, omega4] = omega[row];
         let velocities = robot.geometry().forward_velocities(&pose, omega1, omega4)?;
@@ -82,32 +87,56 @@ pub(crate) fn forward_dynamics<'py>(
     })
 }
 
-/// θ, ω, α of the driven joints to C, its velocity and acceleration and the torques, with their first and second
-/// derivatives, in the order of `derivatives::VARIABLE_NAMES`.
+/// θ, ω, α of the driven joints to C, its velocity and acceleration and the torques, with their first and, if they are
+/// wanted, second derivatives, in the order of `derivatives::VARIABLE_NAMES`.
 #[pyfunction]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn derivatives<'py>(
     py: Python<'py>,
     robot: &Robot,
-    theta: Numbers<'py>,
-    omega: Numbers<'py>,
-    alpha: Numbers<'py>,
+    theta: Pairs<'py>,
+    omega: Pairs<'py>,
+    alpha: Pairs<'py>,
     assembly: Signs<'py>,
+    second: bool,
 ) -> PyResult<Answer<'py>> {
     let arm = masses(py, robot)?;
-    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
-    let (omega, alpha) = (rows(&omega)?, rows(&alpha)?);
-    let count = common([theta.len(), omega.len(), alpha.len(), assembly.len()])?;
+    let count = common([
+        theta.count(),
+        omega.count(),
+        alpha.count(),
+        assembly.count(),
+    ])?;
+    let (theta, assembly) = (theta.rows()?, assembly.rows()?);
+    let (omega, alpha) = (omega.rows()?, alpha.rows()?);
     const FIRST: usize = QUANTITIES * VARIABLES;
     const ALL: usize = QUANTITIES + FIRST + FIRST * VARIABLES;
-    solve(py, count, &[QUANTITIES, FIRST, FIRST * VARIABLES], |row| {
+    let state = |row: usize| {
         let [side] = assembly[row];
-        let state = State {
+        Ok::<_, Problem>(State {
             theta: theta[row],
             omega: omega[row],
             alpha: alpha[row],
             assembly: positions::side(side)?,
-        };
-        let found = derivatives_of(arm, &state)?;
+        })
+    };
+    let fields = [
+        Field::Table(&[QUANTITIES]),
+        Field::Table(&[QUANTITIES, VARIABLES]),
+        Field::Table(&[QUANTITIES, VARIABLES, VARIABLES]),
+    ];
+    if !second {
+        return solve(py, count, &fields[..2], |row| {
+            let (value, first) = first_derivatives(arm, &state(row)?)?;
+            let mut numbers = [0.0; QUANTITIES + FIRST];
+            let (values, firsts) = numbers.split_at_mut(QUANTITIES);
+            values.copy_from_slice(&value);
+            firsts.copy_from_slice(first.as_flattened());
+            Ok(numbers)
+        });
+    }
+    solve(py, count, &fields, |row| {
+        let found = derivatives_of(arm, &state(row)?)?;
         let first = found.first.as_flattened();
         let second = found.second.as_flattened().as_flattened();
         let mut numbers = [0.0; ALL];

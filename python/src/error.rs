@@ -25,6 +25,11 @@ pub(crate) fn file(py: Python<'_>, error: &FileError) -> PyErr {
     raise(py, "RobotError", (error.to_string(), file, line))
 }
 
+/// An argument that is not valid.
+pub(crate) fn invalid(py: Python<'_>, reason: String) -> PyErr {
+    raise(py, "FivebarError", (reason,))
+}
+
 /// A robot that lacks data that the call needs.
 pub(crate) fn robot(py: Python<'_>, error: impl Display) -> PyErr {
     raise(py, "RobotError", (error.to_string(),))

@@ -25,6 +25,13 @@ mod synthesis;
 /// The module, as Python imports it.
 #[pyo3::pymodule]
 mod _native {
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+
     #[pymodule_export]
     use super::accuracy::{
         accuracy, accuracy_along, accuracy_blocks, accuracy_map_of, accuracy_part,
@@ -41,11 +48,11 @@ mod _native {
     #[pymodule_export]
     use super::mechanism::{export, linkage, mobility};
     #[pymodule_export]
-    use super::motion::{inverse_motion, motion};
+    use super::motion::{inverse_motion, jacobian, motion};
     #[pymodule_export]
     use super::photo::{photo, photo_marks};
     #[pymodule_export]
-    use super::plant::Plant;
+    use super::plant::{Plant, Plants};
     #[pymodule_export]
     use super::positions::{forward, inverse, mode_change};
     #[pymodule_export]
@@ -55,7 +62,7 @@ mod _native {
     #[pymodule_export]
     use super::status::statuses;
     #[pymodule_export]
-    use super::study::{clearance, crossing, margins, plan, workspace};
+    use super::study::{Plan, clearance, crossing, margins, workspace};
     #[pymodule_export]
     use super::synthesis::Study;
 }

@@ -1,6 +1,7 @@
 //! Forward and inverse positions; each row is a point.
 
-use crate::batch::{Answer, common, rows, solve};
+use crate::batch::Field::{Number, Pair, Sign};
+use crate::batch::{Answer, Argument as _, Pairs, Signs, common, solve};
 use crate::error;
 use crate::robot::{Robot, sign};
 use crate::status::Problem;
@@ -10,26 +11,22 @@ use fivebar_kinematics::five_bar::{
     Accelerations, Pose, PoseError, Side, Tool, Velocities, WorkingMode,
 };
 use nalgebra::Vector2;
-use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
-
-pub(crate) type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
-pub(crate) type Signs<'py> = PyReadonlyArrayDyn<'py, i8>;
 
 /// C, or the tool, and the elbows' signs to θ1, θ4, θ2, θ3, assembly.
 #[pyfunction]
 pub(crate) fn inverse<'py>(
     py: Python<'py>,
     robot: &Robot,
-    points: Numbers<'py>,
+    points: Pairs<'py>,
     elbow1: Signs<'py>,
     elbow4: Signs<'py>,
     of_tool: bool,
 ) -> PyResult<Answer<'py>> {
     let placed = robot.placed(py, of_tool)?;
-    let (points, elbow1, elbow4) = (rows(&points)?, rows(&elbow1)?, rows(&elbow4)?);
-    let count = common([points.len(), elbow1.len(), elbow4.len()])?;
-    solve(py, count, &[1; 5], |row| {
+    let count = common([points.count(), elbow1.count(), elbow4.count()])?;
+    let (points, elbow1, elbow4) = (points.rows()?, elbow1.rows()?, elbow4.rows()?);
+    solve(py, count, &[Number, Number, Number, Number, Sign], |row| {
         let pose = placed.pose(points[row], elbow1[row], elbow4[row])?;
         let [theta1, theta2, theta3, theta4] = pose.angles();
         Ok([theta1, theta4, theta2, theta3, number(pose.assembly())])
@@ -41,20 +38,25 @@ pub(crate) fn inverse<'py>(
 pub(crate) fn forward<'py>(
     py: Python<'py>,
     robot: &Robot,
-    theta: Numbers<'py>,
+    theta: Pairs<'py>,
     assembly: Signs<'py>,
 ) -> PyResult<Answer<'py>> {
     let tool = robot.tool(py)?;
-    let (theta, assembly) = (rows(&theta)?, rows(&assembly)?);
-    let count = common([theta.len(), assembly.len()])?;
-    solve(py, count, &[2, 1, 1, 1, 1, 2], |row| {
-        let pose = robot.pose(theta[row], assembly[row])?;
-        let [_, theta2, theta3, _] = pose.angles();
-        let WorkingMode { elbow1, elbow4 } = pose.working_mode();
-        let ([x, y], [tool_x, tool_y]) = (pose.c.into(), tool.point(&pose).into());
-        let elbows = [number(elbow1), number(elbow4)];
-        Ok([x, y, theta2, theta3, elbows[0], elbows[1], tool_x, tool_y])
-    })
+    let count = common([theta.count(), assembly.count()])?;
+    let (theta, assembly) = (theta.rows()?, assembly.rows()?);
+    solve(
+        py,
+        count,
+        &[Pair, Number, Number, Sign, Sign, Pair],
+        |row| {
+            let pose = robot.pose(theta[row], assembly[row])?;
+            let [_, theta2, theta3, _] = pose.angles();
+            let WorkingMode { elbow1, elbow4 } = pose.working_mode();
+            let ([x, y], [tool_x, tool_y]) = (pose.c.into(), tool.point(&pose).into());
+            let elbows = [number(elbow1), number(elbow4)];
+            Ok([x, y, theta2, theta3, elbows[0], elbows[1], tool_x, tool_y])
+        },
+    )
 }
 
 /// θ1, θ4 at the corners of the path from these angles to the working mode of these elbows, with the

@@ -3,6 +3,7 @@
 use crate::error;
 use fivebar_files::robot::{BUILT_IN, Robot as Described, text_of};
 use fivebar_kinematics::five_bar::{Geometry, Side};
+use fivebar_report::study::accuracy::without_tolerance;
 use pyo3::prelude::*;
 
 /// A robot as its file describes it, checked.
@@ -95,6 +96,12 @@ impl Robot {
     #[getter]
     fn tool_offset(&self) -> [f64; 2] {
         self.described.tool.offset
+    }
+
+    /// Why its accuracy has no deviations, if its file has no tolerances.
+    #[getter]
+    fn without_tolerance(&self) -> Option<String> {
+        without_tolerance(&self.described).map(|reason| format!("{}: {reason}", self.file))
     }
 
     #[getter]

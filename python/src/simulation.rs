@@ -12,7 +12,7 @@ use fivebar_plant::Mismatch;
 use fivebar_sim::link::{InProcess, Target, TargetError};
 use fivebar_sim::simulation::{Sample, Simulate, fault_name};
 use numpy::{Element, IntoPyArray};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
@@ -86,7 +86,7 @@ impl Scenario {
         scenario.seed = seed.unwrap_or(scenario.seed);
         scenario.control_law = computed_torque.map_or(scenario.control_law, ControlLaw::from_key);
         scenario.tolerance = tolerance;
-        change(&mut scenario.mismatch, mismatch)?;
+        change(py, &mut scenario.mismatch, mismatch)?;
         let mut interrupt = None;
         let pool = pool().map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))?;
         let done = py.detach(|| {
@@ -180,7 +180,11 @@ impl Figure {
 }
 
 /// Replaces the named figures of a mismatch.
-pub(crate) fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, Figure>) -> PyResult<()> {
+pub(crate) fn change(
+    py: Python<'_>,
+    mismatch: &mut Mismatch,
+    figures: BTreeMap<String, Figure>,
+) -> PyResult<()> {
     for (name, figure) in figures {
         let mut all = serde_json::to_value(*mismatch)
             .map_err(|refusal| PyRuntimeError::new_err(refusal.to_string()))?;
@@ -199,16 +203,16 @@ pub(crate) fn change(mismatch: &mut Mismatch, figures: BTreeMap<String, Figure>)
                     .collect::<Vec<_>>()
                     .join(", ")
             );
-            return Err(PyValueError::new_err(reason));
+            return Err(error::invalid(py, reason));
         };
         *place = figure.into_json();
         *mismatch = serde_json::from_value(all).map_err(|refusal| {
-            PyValueError::new_err(format!("`{name}` of the mismatch: {refusal}"))
+            error::invalid(py, format!("`{name}` of the mismatch: {refusal}"))
         })?;
     }
     mismatch.check().map_err(|invalid| {
         let name = invalid.name;
-        PyValueError::new_err(format!("`{name}` of the mismatch {invalid}"))
+        error::invalid(py, format!("`{name}` of the mismatch {invalid}"))
     })
 }
 

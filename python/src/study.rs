@@ -12,6 +12,7 @@ use fivebar_report::study::plan::PlanStudy;
 use fivebar_report::study::workspace::WorkspaceStudy;
 use fivebar_sim::crossing::{CrossingConditions, follow};
 use fivebar_sim::simulation::Simulate;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 /// The answer of `fivebar workspace`; `resolution` is the side of a cell [m].
@@ -36,22 +37,58 @@ pub(crate) fn margins(py: Python<'_>, robot: &Robot) -> PyResult<String> {
     Ok(study.answer().to_string())
 }
 
-/// The answer of `fivebar plan --path`, for a path as its file describes it; `file` is the file's name in errors.
-#[pyfunction]
-pub(crate) fn plan(
-    py: Python<'_>,
-    robot: &Robot,
-    file: &str,
-    text: &str,
-    torque_share: f64,
-    jerk: Option<f64>,
-) -> PyResult<String> {
-    let case = PathCase::parse(file, text).map_err(|refusal| error::study(py, refusal))?;
-    let study = on_all_cores(py, || {
-        PlanStudy::new(&robot.described, &case, torque_share, jerk)
-    })?;
-    let study = study.map_err(|refusal| error::study(py, refusal))?;
-    Ok(study.answer().to_string())
+/// A plan along a path.
+#[pyclass(frozen, module = "fivebar._native")]
+pub(crate) struct Plan {
+    study: PlanStudy,
+}
+
+#[pymethods]
+impl Plan {
+    /// Along a path as its file describes it; `file` is the file's name in errors.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        robot: &Robot,
+        file: &str,
+        text: &str,
+        torque_share: f64,
+        jerk: Option<f64>,
+    ) -> PyResult<Self> {
+        let case = PathCase::parse(file, text).map_err(|refusal| error::study(py, refusal))?;
+        let study = on_all_cores(py, || {
+            PlanStudy::new(&robot.described, &case, torque_share, jerk)
+        })?;
+        let study = study.map_err(|refusal| error::study(py, refusal))?;
+        Ok(Self { study })
+    }
+
+    /// The answer of `fivebar plan --path`.
+    fn answer(&self) -> String {
+        self.study.answer().to_string()
+    }
+
+    /// At these times [s], a row of fourteen numbers for each, flat: θ, ω, α, the tool with its velocity and acceleration,
+    /// and τ, NaN for a robot without masses.
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        times: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mut numbers = Vec::new();
+        for &time in times.as_slice()? {
+            let at = self
+                .study
+                .at(time)
+                .map_err(|refusal| error::pose(py, refusal))?;
+            let vectors = [at.tool, at.velocity, at.acceleration].map(Into::into);
+            let torque = at.torque.unwrap_or([f64::NAN; 2]);
+            let pairs: [[f64; 2]; 3] = vectors;
+            let joints = [at.theta, at.omega, at.alpha].into_iter();
+            numbers.extend(joints.chain(pairs).chain([torque]).flatten());
+        }
+        Ok(numbers.into_pyarray(py))
+    }
 }
 
 /// The answer of `fivebar plan --crossing`, with a simulated run where one is wanted.

@@ -52,6 +52,8 @@ ELSEWHERE = {
     "settings": "of a controller",
 }
 CASES = []
+# Some robots have no tolerances, which the program tells of, too.
+pytestmark = pytest.mark.filterwarnings(r"ignore:.*the file has no \[tolerance\]")
 
 
 def case(command, robots=None):
@@ -227,7 +229,7 @@ def plan(name, folder):
     path = FILES / f"paths/{name}.json"
     robot = json.loads(path.read_text(encoding="utf-8")).get("robot", "benchtop")
     return (["--path", path, "--torque-share=0.8", "--jerk=20000"],
-            lambda: fivebar.Arm.load(robot).plan(path, torque_share=0.8, jerk=20000.0))
+            lambda: fivebar.Arm.load(robot).plan(path, torque_share=0.8, jerk=20000.0).to_dict())
 
 
 @case("plan", [*fivebar.built_in(), str(FILES / "robots/short_couplers.toml")])

@@ -4,8 +4,23 @@ use super::interval::Interval;
 use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Halvings of the steps from a sample to the lowest value near it.
+/// Halvings of the steps from a sample to the lowest value near it. A step is then 10⁻⁵ of the area.
 const HALVINGS: u32 = 12;
+/// From how many samples the lowest value of a design is searched.
+const STARTS: usize = 8;
+/// The most steps of one length.
+const MOST_STEPS: usize = 6;
+/// The directions of the steps: along both numbers, and across, for a valley that is narrow there.
+const SIDES: [[f64; 2]; 8] = [
+    [1.0, 0.0],
+    [-1.0, 0.0],
+    [0.0, 1.0],
+    [0.0, -1.0],
+    [1.0, 1.0],
+    [-1.0, -1.0],
+    [1.0, -1.0],
+    [-1.0, 1.0],
+];
 
 /// The shape of a work area. Its size scales it, its place moves it.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,8 +84,8 @@ impl Area {
         (size > 0.0 && size.is_finite()).then(|| Self::Paths(of_size_one.collect()))
     }
 
-    /// Points of the area of size 1: of a ring its share of the width and its direction [rad], else
-    /// x and y from the place. Of a ring, the first points lie in one direction.
+    /// Points of the area of size 1: of a ring its share of the width and its direction [rad], of paths a number of
+    /// [`Vertices`] and 0, else x and y from the place. Of a ring, the first points lie in one direction.
     pub(super) fn samples(&self, density: Density) -> Samples {
         let [side, inside] = density.counts();
         let along = |count: usize| (0..=count).map(move |i| i as f64 / count as f64);
@@ -94,29 +109,32 @@ impl Area {
             }
             Self::Paths(paths) => {
                 let mut points = Vec::new();
+                let mut first = 0.0;
                 for path in paths {
-                    points.extend(path.first().copied());
+                    points.extend(path.first().map(|_| [first, 0.0]));
                     for ends in path.windows(2) {
                         let [from, to] = [ends[0], ends[1]];
                         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
                         let count = (length * side as f64).ceil().max(1.0) as usize;
-                        let at = |i: usize, t: f64| from[i] + t * (to[i] - from[i]);
-                        points.extend(along(count).skip(1).map(|t| [at(0, t), at(1, t)]));
+                        points.extend(along(count).skip(1).map(|t| [first + t, 0.0]));
+                        first += 1.0;
                     }
+                    first += path.first().map_or(0.0, |_| 1.0);
                 }
                 points
             }
         };
         let domain = match self {
-            Self::Annulus => Some([[0.0, 1.0], [FRAC_PI_2, FRAC_PI_2 + TAU]]),
-            Self::Rectangle { aspect } => Some([[-0.5, 0.5], [0.0, 1.0 / aspect]]),
-            Self::Paths(_) => None,
+            Self::Annulus => Domain::Annulus,
+            Self::Rectangle { aspect } => Domain::Rectangle {
+                height: 1.0 / aspect,
+            },
+            Self::Paths(paths) => Domain::Paths(Vertices::new(paths)),
         };
         Samples {
             points,
             in_one_direction: side + 1,
             spacing: 1.0 / inside as f64,
-            is_ring: matches!(self, Self::Annulus),
             domain,
         }
     }
@@ -157,15 +175,72 @@ pub(super) struct Samples {
     in_one_direction: usize,
     /// Distance of neighbours inside, as a share of the domain.
     spacing: f64,
-    is_ring: bool,
-    /// The ranges of both numbers; none for paths, whose samples are all there is.
-    domain: Option<[[f64; 2]; 2]>,
+    domain: Domain,
+}
+
+/// What the two numbers of a sample mean.
+enum Domain {
+    /// The share of the width, and the direction [rad].
+    Annulus,
+    /// x and y of a rectangle as wide as 1.
+    Rectangle { height: f64 },
+    /// The number of a vertex, or between two numbers the share of the way between both; and 0.
+    Paths(Vertices),
+}
+
+/// The vertices of all paths, numbered through.
+struct Vertices {
+    points: Vec<[f64; 2]>,
+    /// The first and the last number of each path.
+    ends: Vec<[f64; 2]>,
+}
+
+impl Vertices {
+    fn new(paths: &[Vec<[f64; 2]>]) -> Self {
+        let mut next = 0.0;
+        let ends = paths.iter().filter(|path| !path.is_empty()).map(|path| {
+            let first = next;
+            next += path.len() as f64;
+            [first, next - 1.0]
+        });
+        Self {
+            ends: ends.collect(),
+            points: paths.concat(),
+        }
+    }
+
+    fn at(&self, number: f64) -> [f64; 2] {
+        let from = (number as usize).min(self.points.len() - 1);
+        let to = (from + 1).min(self.points.len() - 1);
+        let share = number - from as f64;
+        std::array::from_fn(|axis| {
+            let [from, to] = [self.points[from][axis], self.points[to][axis]];
+            from + share * (to - from)
+        })
+    }
+
+    /// The ends of the path on which this number is.
+    fn ends(&self, number: f64) -> [f64; 2] {
+        let path = self.ends.partition_point(|[_, last]| *last < number);
+        self.ends.get(path).copied().unwrap_or([number; 2])
+    }
+}
+
+impl Domain {
+    /// The ranges of both numbers, of paths those of the point's path.
+    fn ranges(&self, point: [f64; 2]) -> [[f64; 2]; 2] {
+        match self {
+            Self::Annulus => [[0.0, 1.0], [FRAC_PI_2, FRAC_PI_2 + TAU]],
+            Self::Rectangle { height } => [[-0.5, 0.5], [0.0, *height]],
+            Self::Paths(vertices) => [vertices.ends(point[0]), [0.0; 2]],
+        }
+    }
 }
 
 impl Samples {
     /// The points. About a coaxial arm one direction of a ring is as all others.
     pub(super) fn points(&self, base: f64) -> &[[f64; 2]] {
-        match self.is_ring && base == 0.0 {
+        match matches!(self.domain, Domain::Annulus) && base == 0.0 {
             true => &self.points[..self.in_one_direction],
             false => &self.points,
         }
@@ -177,35 +252,79 @@ impl Samples {
             size,
             place: [x, y],
         } = area;
-        if self.is_ring {
-            let (sin, cos) = v.sin_cos();
-            Vector2::new(cos, sin) * (y + size * u)
-        } else {
-            Vector2::new(x + size * u, y + size * v)
-        }
+        let [u, v] = match &self.domain {
+            Domain::Annulus => {
+                let (sin, cos) = v.sin_cos();
+                return Vector2::new(cos, sin) * (y + size * u);
+            }
+            Domain::Rectangle { .. } => [u, v],
+            Domain::Paths(vertices) => vertices.at(u),
+        };
+        Vector2::new(x + size * u, y + size * v)
     }
 
-    /// A lower value near a sample, by steps along both numbers that become shorter.
+    /// The samples with the lowest values, apart from each other by more than the neighbours inside: where the search for the
+    /// lowest point between samples begins.
+    pub(super) fn lowest(&self, base: f64, value: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]> {
+        let points = self.points(base);
+        let mut valued: Vec<_> = points.iter().map(|&point| (value(point), point)).collect();
+        valued.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut starts: Vec<[f64; 2]> = Vec::new();
+        for (_, point) in valued {
+            let is_near = |start: &[f64; 2]| {
+                let spans = self.domain.ranges(point).map(|[low, high]| high - low);
+                (0..2).all(|axis| {
+                    (point[axis] - start[axis]).abs() <= 2.0 * self.spacing * spans[axis]
+                })
+            };
+            if !starts.iter().any(is_near) {
+                starts.push(point);
+            }
+            if starts.len() == STARTS {
+                break;
+            }
+        }
+        starts
+    }
+
+    /// A lower value near a sample, by steps that become shorter: in a search by few, to be quick; in a check the lowest.
     pub(super) fn lowest_near(
         &self,
+        density: Density,
         mut point: [f64; 2],
         value: impl Fn([f64; 2]) -> f64,
     ) -> [f64; 2] {
-        let Some(domain) = self.domain else {
-            return point;
+        let (sides, most_steps) = match density {
+            Density::Search => (&SIDES[..4], 1),
+            Density::Check => (&SIDES[..], MOST_STEPS),
         };
+        let ranges = self.domain.ranges(point);
+        let spans = ranges.map(|[low, high]| high - low);
         let mut lowest = value(point);
-        let mut share = self.spacing;
+        let mut share = match &self.domain {
+            // From one vertex to the next.
+            Domain::Paths(_) => 1.0 / spans[0].max(1.0),
+            _ => self.spacing,
+        };
         for _ in 0..HALVINGS {
             share *= 0.5;
-            for (axis, [low, high]) in domain.into_iter().enumerate() {
-                for step in [share * (high - low), share * (low - high)] {
-                    let mut tried = point;
-                    tried[axis] = (point[axis] + step).clamp(low, high);
+            for _ in 0..most_steps {
+                let from = point;
+                for side in sides {
+                    let tried = std::array::from_fn(|axis| {
+                        let [low, high] = ranges[axis];
+                        (point[axis] + side[axis] * share * spans[axis]).clamp(low, high)
+                    });
+                    if tried == point {
+                        continue;
+                    }
                     let value = value(tried);
                     if value < lowest {
                         (point, lowest) = (tried, value);
                     }
+                }
+                if point == from {
+                    break;
                 }
             }
         }

@@ -6,11 +6,10 @@
 //!   worst direction takes a torque of max(|r1|, |r4|)/|det|.
 //! - In every direction the tip has a speed of 1/max(|r1|, |r4|) with no motor above 1 rad/s.
 //! - With drives of stiffness k, K = J⁻ᵀ k J⁻¹: the least stiffness of the tip is k σmin(J⁻¹)².
-//! - u2 and u3 are the directions of the far links, n1 and n4 those of the near ones. From |C − B| = l2,
-//!   u2·δC = δl2 + (u2·n1) δl1 + l1 (n1 × u2) δθ1, and alike for l3, with the base's error. Independent
-//!   errors of standard deviations s2, s3 of both right sides give an RMS error of √(s2² + s3²)/|u2 × u3|.
+//! - The error is `fivebar accuracy`'s: √(σx² + σy²) by [`ToolSensitivities`], from the middle of the base.
 
 use super::condition::Condition;
+use crate::accuracy::five_bar::ToolSensitivities;
 use fivebar_kinematics::PlanarVector;
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +49,21 @@ pub struct Measures {
     pub error: f64,
 }
 
+/// Where an arm is the worst in its work area, by 1/κ and by each measure, as C from A [m].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorstPoints {
+    /// By 1/κ.
+    pub dexterity: [f64; 2],
+    /// By [`Measures::torque`].
+    pub torque: [f64; 2],
+    /// By [`Measures::speed`].
+    pub speed: [f64; 2],
+    /// By [`Measures::stiffness`].
+    pub stiffness: [f64; 2],
+    /// By [`Measures::error`].
+    pub error: [f64; 2],
+}
+
 impl Measure {
     /// All of them.
     pub(super) const ALL: [Self; 4] = [Self::Torque, Self::Speed, Self::Stiffness, Self::Error];
@@ -85,22 +99,20 @@ impl Measures {
 }
 
 fn error(at: &Condition, tolerance: Tolerance) -> f64 {
-    let variances = at.legs.map(|leg| {
-        let near = leg.foot - leg.far;
-        let far = leg.far / leg.far.norm();
-        let along = far.dot(&near) / near.norm();
-        let by_angle = near.cross_z(far) * tolerance.angle;
-        (1.0 + along * along) * tolerance.length.powi(2) + by_angle * by_angle
-    });
-    let [_, far4] = at.legs.map(|leg| leg.far / leg.far.norm());
-    let by_base = (far4.x * tolerance.length).powi(2);
-    (variances[0] + variances[1] + by_base).sqrt() / at.sine.abs()
+    let [near1, near4] = at.legs.map(|leg| leg.foot - leg.far);
+    let [far2, far3] = at.legs.map(|leg| leg.far);
+    let directions = [near1, far2, far3, near4].map(|link| link / link.norm());
+    ToolSensitivities::of_links(directions, [near1.norm(), near4.norm()])
+        .map_or(f64::INFINITY, |by| {
+            by.radial_deviation([tolerance.angle; 2], [tolerance.length; 5])
+        })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::condition::condition;
     use super::*;
+    use crate::accuracy::five_bar::{ArmTolerance, TolerancedArm, ToolState, analyse};
     use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
     use fivebar_testkit::{Tally, geometry};
     use nalgebra::{Matrix2, Vector2};
@@ -143,6 +155,7 @@ mod tests {
                 .map(|side| b + span * along + Vector2::new(-span.y, span.x) * (side * height));
             both.into_iter()
                 .min_by(|a, b| (a - c).norm().total_cmp(&(b - c).norm()))
+                .map(|c| c - Vector2::new(0.5 * base, 0.0))
         };
         let pose = Geometry::new(lengths).ok()?.inverse(c, MODE).ok()?;
         let angle = |from: Vector2<f64>, to: Vector2<f64>| (to.y - from.y).atan2(to.x - from.x);
@@ -168,6 +181,52 @@ mod tests {
             variance += (slope * deviation).norm_squared();
         }
         Some(variance.sqrt())
+    }
+
+    #[test]
+    fn the_error_is_that_of_the_analysis_of_accuracy() {
+        let tolerance = ArmTolerance {
+            length_sd: [TOLERANCE.length; 5],
+            input_sd: [TOLERANCE.angle; 2],
+            ..ArmTolerance::default()
+        };
+        let reached = Tally::default();
+        proptest!(|(geometry in geometry(), x in -0.5..0.5_f64, y in -0.5..0.5_f64)| {
+            let c = Vector2::new(x, y);
+            let Ok(here) = condition(geometry.lengths(), c) else { return Ok(()) };
+            let arm = TolerancedArm {
+                geometry: &geometry,
+                arm: None,
+                working_mode: MODE,
+                tolerance: &tolerance,
+            };
+            let Ok(analysis) = analyse(&arm, &ToolState::at_rest(c)) else { return Ok(()) };
+            prop_assume!(analysis.pose.nearest_singularity().1 > 1e-3);
+            let (found, expected) = (error(&here, TOLERANCE), analysis.radial_deviation());
+            prop_assert!((found - expected).abs() < 1e-9 * expected, "{found} {expected}");
+            reached.count(true);
+        });
+        assert!(reached.accepted() > 40);
+    }
+
+    #[test]
+    fn a_symmetric_arm_errs_alike_on_both_sides() {
+        let lengths = [0.1, 0.16, 0.16, 0.1, 0.08];
+        let at = |x: f64| {
+            error(
+                &condition(lengths, Vector2::new(0.04 + x, 0.2)).unwrap(),
+                TOLERANCE,
+            )
+        };
+        for x in [0.01, 0.05, 0.09] {
+            assert!(
+                (at(x) - at(-x)).abs() < 1e-12 * at(x),
+                "{} {}",
+                at(x),
+                at(-x)
+            );
+        }
+        assert!((at(0.09) - at(0.01)).abs() > 0.01 * at(0.01));
     }
 
     #[test]

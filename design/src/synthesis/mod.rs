@@ -22,7 +22,7 @@ mod study;
 mod whole;
 
 pub use area::Area;
-pub use measure::{Measure, Measures, Tolerance};
+pub use measure::{Measure, Measures, Tolerance, WorstPoints};
 pub use proof::Proof;
 pub use study::{Candidate, Found, Study};
 
@@ -41,9 +41,9 @@ pub struct Specification {
     pub link_sum: f64,
     /// The shape of the work area.
     pub area: Area,
-    /// Least 1/κ in the area, above 0.
+    /// Least 1/κ in the area; 0 where the least sine is above 0, which keeps singularities out by itself.
     pub dexterity: f64,
-    /// Least |sin| of the angles at the elbows and at C in the area.
+    /// Least |sin| of the angles at the elbows and at C in the area; 0 where the least 1/κ is above 0.
     pub sine: f64,
     /// The errors of the arm, for the error of its tip.
     pub tolerance: Tolerance,
@@ -82,6 +82,8 @@ pub struct Design {
     pub dexterity: f64,
     /// What the tip can at the worst point of the area for each.
     pub measures: Measures,
+    /// Where these worst points are.
+    pub worst_points: WorstPoints,
 }
 
 impl Design {

@@ -1,9 +1,9 @@
 //! A specification as a search: candidates, their scores, and the best of them examined closely.
 
 use super::area::{Density, Placed, Samples};
-use super::condition::condition;
+use super::condition::{Condition, condition};
 use super::evolution::maximise;
-use super::measure::{Measure, Measures};
+use super::measure::{Measure, Measures, WorstPoints};
 use super::proof::{self, Proof};
 use super::{Area, Design, Objective, Specification, study};
 use nalgebra::Vector2;
@@ -213,20 +213,52 @@ impl<'a> Problem<'a> {
         self.specification.link_sum.min(ample) - 0.5 * base
     }
 
-    /// A design with the least 1/κ of its area.
-    pub(super) fn design(&self, lengths: [f64; 5], Placed { size, place }: Placed) -> Design {
-        let placed = Placed { size, place };
+    /// A design with the worst points of its area.
+    pub(super) fn design(&self, lengths: [f64; 5], placed: Placed) -> Design {
+        let tolerance = self.specification.tolerance;
+        let worst = self.worst(lengths, placed, Density::Check);
+        let (dexterity, by_dexterity) = self.lowest(lengths, placed, |here| here.dexterity.abs());
+        let [torque, speed, stiffness, error] = Measure::ALL
+            .map(|measure| self.lowest(lengths, placed, |here| measure.merit(here, tolerance)));
         Design {
             lengths,
-            size,
-            place,
-            dexterity: self.worst(lengths, placed, Density::Check).dexterity,
-            measures: Measures::of_merits(Measure::ALL.map(|measure| {
-                let worst =
-                    self.worst_by(Some(measure), lengths, placed, Density::Check, Until::All);
-                worst.merit
-            })),
+            size: placed.size,
+            place: placed.place,
+            // Negative where the arm changes its assembly mode or does not reach.
+            dexterity: worst.dexterity.min(dexterity),
+            measures: Measures::of_merits([torque.0, speed.0, stiffness.0, error.0]),
+            worst_points: WorstPoints {
+                dexterity: by_dexterity,
+                torque: torque.1,
+                speed: speed.1,
+                stiffness: stiffness.1,
+                error: error.1,
+            },
         }
+    }
+
+    /// The lowest value in an area, −∞ where the arm does not reach, and where it is, as C from A [m].
+    fn lowest(
+        &self,
+        lengths: [f64; 5],
+        area: Placed,
+        value: impl Fn(&Condition) -> f64,
+    ) -> (f64, [f64; 2]) {
+        let middle = Vector2::new(0.5 * lengths[4], 0.0);
+        let point = |sample| middle + self.check.at(sample, area);
+        let value_at = |sample| match condition(lengths, point(sample)) {
+            Ok(here) => value(&here),
+            Err(_) => f64::NEG_INFINITY,
+        };
+        let mut lowest = (f64::INFINITY, [0.0; 2]);
+        for start in self.check.lowest(lengths[4], value_at) {
+            let sample = self.check.lowest_near(Density::Check, start, value_at);
+            let value = value_at(sample);
+            if value < lowest.0 {
+                lowest = (value, point(sample).into());
+            }
+        }
+        lowest
     }
 
     /// The measure that is sought, if it is one.
@@ -442,12 +474,12 @@ impl<'a> Problem<'a> {
         if worst.margin < 0.0 {
             return worst;
         }
-        let lowest = samples.lowest_near(places[0], |sample| at(sample)[mode].margin);
+        let lowest = samples.lowest_near(density, places[0], |sample| at(sample)[mode].margin);
         let worst = worst.and(at(lowest)[mode]);
         if measure.is_none() {
             return worst;
         }
-        let lowest = samples.lowest_near(places[1], |sample| at(sample)[mode].merit);
+        let lowest = samples.lowest_near(density, places[1], |sample| at(sample)[mode].merit);
         worst.and(at(lowest)[mode])
     }
 

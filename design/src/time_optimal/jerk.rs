@@ -10,7 +10,7 @@ use super::averages::{Averages, TimeLaw};
 use super::demand::Demand;
 use super::error::PlanError;
 use super::grid::{Grid, Solved};
-use super::run::{ACTIVE, Run, RunSample};
+use super::run::{ACTIVE, LawPiece, Run, RunSample};
 use std::borrow::Borrow;
 
 /// How many even samples in time stand for a run.
@@ -97,6 +97,7 @@ pub(super) fn limited(
         length: grid.length(),
         time,
         samples: samples(grid, &even, even_points, (pace, time)),
+        law: law_of(&even, pace, time),
         active_time: time * active as f64 / (even.len() - 1) as f64,
         limit_excess: excess.max(0.0),
     })
@@ -290,6 +291,21 @@ impl Moment {
         let used = grid.used_at(&self.demand, rate * rate, u);
         used.max(self.jerk * (pace * pace * pace) / jerk)
     }
+}
+
+/// The slowed run in time: s̈ is linear between its moments.
+fn law_of(moments: &[Moment], pace: f64, total: f64) -> Vec<LawPiece> {
+    let dt = total / (moments.len() - 1) as f64;
+    let pairs = moments.windows(2).enumerate();
+    pairs
+        .map(|(k, ends)| {
+            let [from, to] = [&ends[0], &ends[1]].map(|at| at.s_ddot * pace * pace);
+            LawPiece {
+                t: dt * k as f64,
+                state: [ends[0].s, ends[0].s_dot * pace, from, (to - from) / dt],
+            }
+        })
+        .collect()
 }
 
 /// The slowed run at even points, between its moments at even times.

@@ -20,6 +20,7 @@ mod spline;
 mod strip;
 mod timed;
 mod turning;
+mod waypoints;
 
 pub use blend::blend;
 pub use demand::{Demand, DrivenArm, PlannedDrive};
@@ -30,3 +31,4 @@ pub use path::{FourierSeries, PathPiece, PathPoint};
 pub use plan::plan;
 pub use run::{Run, RunSample};
 pub use timed::{Smoothing, TimedPiece, TimedRun, plan_timed};
+pub use waypoints::Waypoints;

@@ -5,8 +5,10 @@
 //! | line | P + s u | length [m] |
 //! | arc | M + r u(φ), φ = φ0 ± s/r | length [m] |
 //! | curve | a shape of a trajectory, from one s to another | that of the curve, from 0 [m] |
+//! | waypoints | a cubic spline | length of the chords [m] |
 //! | Fourier | x0 + Σ ak cos 2πks + bk sin 2πks, and y alike | 0…1 |
 
+use super::waypoints::Waypoints;
 use fivebar_kinematics::PlanarVector;
 use fivebar_kinematics::trajectory::Curve;
 use nalgebra::Vector2;
@@ -50,6 +52,8 @@ pub enum PathPiece {
         /// y(s).
         y: FourierSeries,
     },
+    /// A smooth curve through points.
+    Waypoints(Waypoints),
     /// A part of a shape on which the controller moves the tool.
     Curve {
         /// The shape.
@@ -101,7 +105,7 @@ impl PathPiece {
         match self {
             Self::Line { .. } => 0.0,
             Self::Arc { radius, .. } => (to - from) / radius,
-            Self::Curve { .. } | Self::Fourier { .. } => {
+            Self::Curve { .. } | Self::Fourier { .. } | Self::Waypoints(_) => {
                 let step = (to - from) / SAMPLES as f64;
                 let rates = (0..SAMPLES).map(|k| {
                     let at = self.at(from + step * (k as f64 + 0.5));
@@ -119,6 +123,7 @@ impl PathPiece {
             Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
             Self::Fourier { .. } => 1.0,
             Self::Curve { length, .. } => *length,
+            Self::Waypoints(curve) => curve.length(),
         }
     }
 
@@ -156,6 +161,7 @@ impl PathPiece {
                     curvature: point.curvature,
                 }
             }
+            Self::Waypoints(curve) => curve.at(s),
             Self::Fourier { x, y } => {
                 let ([x, x1, x2], [y, y1, y2]) = (x.at(s), y.at(s));
                 PathPoint {

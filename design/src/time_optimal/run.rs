@@ -2,6 +2,7 @@
 
 use super::demand::Demand;
 use super::grid::{Grid, Solved};
+use super::spline::{State, later};
 
 /// The run at one of its even points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,10 +30,39 @@ pub struct Run {
     pub time: f64,
     /// The run at even points.
     pub samples: Vec<RunSample>,
+    /// Its law in time, which [`Run::at`] evaluates.
+    pub(super) law: Vec<LawPiece>,
     /// The time with a limit above 95 % [s].
     pub active_time: f64,
     /// Most by which a limit is passed anywhere, relative.
     pub limit_excess: f64,
+}
+
+/// A part of the law in time: s⃛ is constant from its beginning to the beginning of the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LawPiece {
+    /// When it begins [s].
+    pub(super) t: f64,
+    /// s, ṡ, s̈ there, and s⃛.
+    pub(super) state: State,
+}
+
+impl Run {
+    /// s, ṡ and s̈ at a time from the beginning of the run [s]: at rest before it and after it.
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        if t <= 0.0 {
+            return [0.0; 3];
+        }
+        if t >= self.time {
+            return [self.length, 0.0, 0.0];
+        }
+        let next = self.law.partition_point(|piece| piece.t <= t).max(1);
+        let Some(piece) = self.law.get(next - 1) else {
+            return [0.0; 3];
+        };
+        let [s, s_dot, s_ddot, _] = later(piece.state, t - piece.t);
+        [s.clamp(0.0, self.length), s_dot.max(0.0), s_ddot]
+    }
 }
 
 /// The share of a limit above which it counts as active.
@@ -44,6 +74,7 @@ pub(super) fn fastest(solved: &Solved<'_>, even_points: usize) -> Run {
     let length = grid.length();
     let (mut time, mut active_time, mut most) = (0.0, 0.0, 0.0_f64);
     let mut samples: Vec<RunSample> = Vec::with_capacity(even_points);
+    let mut law = Vec::with_capacity(grid.cells.len());
     for (i, cell) in grid.cells.iter().enumerate() {
         let u = 0.5 * (x[i + 1] - x[i]) / cell.w;
         let sample = |s: f64, t: f64, x: f64, at: &Demand| RunSample {
@@ -58,6 +89,10 @@ pub(super) fn fastest(solved: &Solved<'_>, even_points: usize) -> Run {
         if (cell.s - even).abs() < 1e-9 * length {
             samples.push(sample(even, time, x[i], grid.at(cell.start)));
         }
+        law.push(LawPiece {
+            t: time,
+            state: [cell.s, x[i].sqrt(), u, 0.0],
+        });
         most = most.max(grid.excess(cell, x[i], x[i + 1]));
         let dt = 2.0 * cell.w / (x[i].sqrt() + x[i + 1].sqrt());
         if grid.used(cell.middle, 0.5 * (x[i] + x[i + 1]), u) > ACTIVE {
@@ -73,6 +108,7 @@ pub(super) fn fastest(solved: &Solved<'_>, even_points: usize) -> Run {
         length,
         time,
         samples,
+        law,
         active_time,
         limit_excess: most.max(0.0),
     }

@@ -2,6 +2,7 @@
 //! known.
 
 mod bang_bang;
+mod law;
 mod long_runs;
 mod scaling;
 mod shared;

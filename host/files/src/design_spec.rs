@@ -55,9 +55,8 @@ enum Kind {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RequireFile {
-    dexterity: f64,
-    #[serde(default)]
-    sine: f64,
+    dexterity: Option<f64>,
+    sine: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -173,16 +172,7 @@ fn made(
         let reason = "is missing: it limits the links of what is to be the greatest; give metres";
         refusals.add(Key::Top("link_sum"), reason);
     }
-    let share = |key, value: f64, least: bool| {
-        if (value > 0.0 || (value == 0.0 && !least)) && value < 1.0 {
-            return Ok(());
-        }
-        let from = if least { "more than 0" } else { "at least 0" };
-        let reason = format!("must be {from} and less than 1, not {value:?}");
-        Err(Key::In("require", key).refused(reason))
-    };
-    refusals.note(share("dexterity", spec.require.dexterity, true));
-    refusals.note(share("sine", spec.require.sine, false));
+    let [dexterity, sine] = required(&spec.require, &mut refusals);
     let front = spec.objective.front;
     if !(1..=MOST_DESIGNS).contains(&front) {
         let reason = format!("must be 1 to {MOST_DESIGNS} designs, not {front}");
@@ -218,13 +208,36 @@ fn made(
         base: spec.base,
         link_sum: spec.link_sum.unwrap_or(f64::INFINITY),
         area,
-        dexterity: spec.require.dexterity,
-        sine: spec.require.sine,
+        dexterity,
+        sine,
         tolerance: tolerance?,
         objective,
         front,
         starts,
     })
+}
+
+/// The least 1/κ and the least sine; one that is not given is 0.
+fn required(require: &RequireFile, refusals: &mut Refusals) -> [f64; 2] {
+    let RequireFile { dexterity, sine } = *require;
+    if dexterity.is_none() && sine.is_none_or(|sine| sine == 0.0) {
+        let reason = "is missing, and `sine`, too: without either the arm could be singular in the area; give one of \
+                      them, more than 0 and less than 1";
+        refusals.add(Key::In("require", "dexterity"), reason);
+    }
+    let mut share = |key, value: f64, least: bool| {
+        if (value > 0.0 || (value == 0.0 && !least)) && value < 1.0 {
+            return value;
+        }
+        let from = if least { "more than 0" } else { "at least 0" };
+        let reason = format!("must be {from} and less than 1, not {value:?}");
+        refusals.add(Key::In("require", key), reason);
+        0.0
+    };
+    [
+        dexterity.map_or(0.0, |value| share("dexterity", value, true)),
+        sine.map_or(0.0, |value| share("sine", value, false)),
+    ]
 }
 
 /// The stated errors; none are 0.

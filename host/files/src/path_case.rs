@@ -2,7 +2,7 @@
 
 use super::source::FileError;
 use super::text_file::{LARGEST_TOML, read_text};
-use fivebar_design::time_optimal::{FourierSeries, PathPiece, PlanLimits, blend};
+use fivebar_design::time_optimal::{FourierSeries, PathPiece, PlanLimits, Waypoints, blend};
 use fivebar_kinematics::five_bar::{Side, WorkingMode};
 use nalgebra::Vector2;
 use serde::Deserialize;
@@ -69,7 +69,7 @@ struct CaseFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LimitsFile {
-    torque: [f64; 2],
+    torque: Option<[f64; 2]>,
     speed: Option<[f64; 2]>,
     acceleration: Option<[f64; 2]>,
     voltage: Option<f64>,
@@ -94,6 +94,25 @@ enum PieceFile {
         x: Series,
         y: Series,
     },
+    Waypoints {
+        points: Points,
+    },
+}
+
+/// The points of a smooth curve.
+#[derive(Deserialize)]
+#[serde(try_from = "Vec<[f64; 2]>")]
+struct Points(Waypoints);
+
+impl TryFrom<Vec<[f64; 2]>> for Points {
+    type Error = &'static str;
+
+    fn try_from(points: Vec<[f64; 2]>) -> Result<Self, Self::Error> {
+        let points: Vec<_> = points.into_iter().map(Vector2::from).collect();
+        let reason =
+            "`points` are two or more [x, y] in metres, none of them the same as the one before";
+        Waypoints::new(&points).map(Self).ok_or(reason)
+    }
 }
 
 /// `[mean, [a1, b1], [a2, b2], …]`.
@@ -143,6 +162,17 @@ impl PathCase {
     pub fn parse(file: &str, text: &str) -> Result<Self, FileError> {
         let case: Result<CaseFile, _> = serde_json::from_str(text);
         let case = case.map_err(|error| FileError::new(file, error))?;
+        let LimitsFile {
+            torque,
+            acceleration,
+            tip_acceleration,
+            ..
+        } = &case.limits;
+        if torque.is_none() && acceleration.is_none() && tip_acceleration.is_none() {
+            let reason = "`limits` has no limit of forces or accelerations, so the arm would start and stop in no time: give \
+                          `torque` [N·m], `acceleration` [rad/s²] or `tip_acceleration` [m/s²]";
+            return Err(FileError::new(file, reason));
+        }
         let tolerance = match (case.corners, case.corner_tolerance) {
             (Corners::Blend, Some(tolerance)) if tolerance > 0.0 => tolerance,
             (Corners::Blend, _) => {
@@ -167,7 +197,7 @@ impl From<CaseFile> for PathCase {
             path: file.path.into_iter().map(PathPiece::from).collect(),
             working_mode: WorkingMode::new(elbow1, elbow4),
             limits: PlanLimits {
-                torque: limits.torque,
+                torque: limits.torque.unwrap_or([f64::INFINITY; 2]),
                 falling_torque: None,
                 speed: limits.speed.unwrap_or([f64::INFINITY; 2]),
                 acceleration: limits.acceleration.unwrap_or([f64::INFINITY; 2]),
@@ -201,6 +231,7 @@ impl From<PieceFile> for PathPiece {
                 sweep,
             },
             PieceFile::Fourier { x, y } => Self::Fourier { x: x.0, y: y.0 },
+            PieceFile::Waypoints { points } => Self::Waypoints(points.0),
         }
     }
 }

@@ -11,6 +11,7 @@ counter-clockwise from +x; points [m] in the frame of the base, A at the origin,
 Keys, names and errors are those of ``fivebar query``.
 """
 
+from . import sim
 from ._arm import Arm
 from ._connection import ArmState, LiveArm, connect
 from ._errors import (
@@ -29,7 +30,9 @@ from ._errors import (
 )
 from ._measured import Found, Photo
 from ._mechanisms import linkage, linkage_accuracy, mobility, slider_accuracy
-from ._plant import Plant
+from ._native import __version__
+from ._plan import Plan, PlanSamples
+from ._plant import Plant, Plants, PlantState
 from ._results import (
     Derivatives,
     Forward,
@@ -67,7 +70,11 @@ __all__ = [
     "Motion",
     "NO_MISMATCH",
     "Photo",
+    "Plan",
+    "PlanSamples",
     "Plant",
+    "PlantState",
+    "Plants",
     "PoseError",
     "Reaction",
     "RobotError",
@@ -82,6 +89,7 @@ __all__ = [
     "TaughtPath",
     "Trace",
     "UnreachableError",
+    "__version__",
     "built_in",
     "connect",
     "design",
@@ -89,6 +97,7 @@ __all__ = [
     "linkage",
     "linkage_accuracy",
     "mobility",
+    "sim",
     "simulate",
     "slider_accuracy",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,16 +13,17 @@ from . import _native
 from ._arm_studies import ArmStudies
 from ._errors import FivebarError, RobotError
 from ._results import (
+    Asked,
     Derivatives,
     Forward,
     ForwardDynamics,
     Inverse,
     InverseDynamics,
     InverseMotion,
+    Jacobian,
     Motion,
-    Reaction,
 )
-from ._shapes import Floats, SideLike, Statuses, broadcast, pairs, refuse, sides, signs
+from ._shapes import Floats, SideLike, Statuses, broadcast, pairs, refuse, sides
 from ._simulation import Mismatch, Run, run
 from ._status import Side
 
@@ -79,20 +80,30 @@ class Arm(ArmStudies):
         lengths = (l1, l2, l2 if l3 is None else l3, l1 if l4 is None else l4)
         lines = [f"name = {json.dumps(name)}", "gravity = [0.0, 0.0]", f"base = {float(base)!r}"]
         lines += [f"[[link]]\nlength = {float(length)!r}" for length in lengths]
-        text = "\n".join(lines)
-        self._robot = _native.Robot.parse(name, text)
-        self._made: Tuple[Any, ...] = (Arm.from_toml, (text, name))
+        self._take(_native.Robot.parse(name, "\n".join(lines)))
+
+    def _take(self, robot: _native.Robot) -> None:
+        """Keeps a robot, and what single calls ask of it."""
+        self._robot = robot
+        self._elbow1, self._elbow4 = robot.elbows
+        self._own_assembly = robot.assembly
+        self._has_tool_beside_c = any(robot.tool_offset)
 
     @classmethod
-    def _of(cls, robot: _native.Robot, made: Tuple[Any, ...]) -> Arm:
-        """The arm of a robot, and the call that makes it again for `pickle`."""
+    def _of(cls, robot: _native.Robot) -> Arm:
         arm = cls.__new__(cls)
-        arm._robot = robot
-        arm._made = made
+        arm._take(robot)
         return arm
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return self._made
+        return Arm.from_toml, (self.toml, self._robot.file)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are made of the same robot file, by its text."""
+        return isinstance(other, Arm) and self.toml == other.toml
+
+    def __hash__(self) -> int:
+        return hash(self.toml)
 
     @classmethod
     def load(cls, name_or_path: str = "benchtop") -> Arm:
@@ -103,7 +114,7 @@ class Arm(ArmStudies):
         >>> Arm.load("usp_2dof").lengths
         (0.12, 0.16, 0.16, 0.12, 0.1)
         """
-        return cls._of(_native.Robot.load(name_or_path), (cls.load, (name_or_path,)))
+        return cls._of(_native.Robot.load(name_or_path))
 
     @classmethod
     def from_file(cls, path: Union[str, os.PathLike[str]]) -> Arm:
@@ -125,7 +136,7 @@ class Arm(ArmStudies):
         ...
         fivebar.RobotError: robot, line 1: missing field `gravity`
         """
-        return cls._of(_native.Robot.parse(name, text), (cls.from_toml, (text, name)))
+        return cls._of(_native.Robot.parse(name, text))
 
     @property
     def name(self) -> str:
@@ -145,12 +156,12 @@ class Arm(ArmStudies):
     @property
     def elbow1(self) -> Side:
         """Which way elbow 1 turns in the robot's working mode."""
-        return Side(self._robot.elbows[0])
+        return Side(self._elbow1)
 
     @property
     def elbow4(self) -> Side:
         """Which way elbow 4 turns in the robot's working mode."""
-        return Side(self._robot.elbows[1])
+        return Side(self._elbow4)
 
     @property
     def assembly(self) -> Side:
@@ -158,13 +169,7 @@ class Arm(ArmStudies):
 
         Raises :class:`fivebar.RobotError` if it has no home pose.
         """
-        sign = self._robot.assembly
-        if sign is None:
-            raise RobotError(
-                f"robot `{self.name}` has no home pose in its working mode: "
-                "say assembly='left' or 'right'"
-            )
-        return Side(sign)
+        return Side(self._assembly_sign())
 
     @property
     def home(self) -> Tuple[float, ...]:
@@ -201,12 +206,9 @@ class Arm(ArmStudies):
         theta: θ1, θ4 [rad], shape S + (2,). assembly: ``left`` where C lies left of the
         ray B→D.
         """
-        numbers = {"theta": pairs("theta", theta)}
-        fields, status = self._ask(
-            _native.forward, numbers, self._assembly(assembly), [(2,), (), (), (), (), (2,)], strict
+        return self._ask(
+            _native.forward, Forward, {"theta": theta}, self._assembly(assembly), strict
         )
-        c, theta2, theta3, elbow1, elbow4, tool = fields
-        return Forward(status, c, theta2, theta3, signs(elbow1), signs(elbow4), tool)
 
     def inverse(
         self,
@@ -232,17 +234,14 @@ class Arm(ArmStudies):
         ...
         fivebar.UnreachableError: row 1: the point is farther from A than l1 + l2; points = [0.5, 0.0]
         """
-        numbers = {"points": pairs("points", points)}
-        fields, status = self._ask(
+        return self._ask(
             _native.inverse,
-            numbers,
+            Inverse,
+            {"points": points},
             self._elbows(elbow1, elbow4),
-            [()] * 5,
             strict,
             self._of_tool(point),
         )
-        theta1, theta4, theta2, theta3, assembly = fields
-        return Inverse(status, theta1, theta4, theta2, theta3, signs(assembly))
 
     def mode_change(
         self,
@@ -266,7 +265,7 @@ class Arm(ArmStudies):
         True
         """
         start = pairs("theta", theta).reshape(2)
-        elbows = [int(np.asarray(side)) for side in self._elbows(elbow1, elbow4).values()]
+        elbows = [int(sides(*side)) for side in self._elbows(elbow1, elbow4).items()]
         path = _native.mode_change(self._robot, start.tolist(), *elbows)
         return np.array(path, dtype=float).reshape(-1, 2)
 
@@ -283,12 +282,8 @@ class Arm(ArmStudies):
 
         theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,).
         """
-        numbers = self._moving(theta, omega, alpha)
-        shapes: List[Tuple[int, ...]] = [(2,), (2,), (2,), (), (), (), (), (2,), (2,), (2,)]
-        fields, status = self._ask(
-            _native.motion, numbers, self._assembly(assembly), shapes, strict
-        )
-        return Motion(status, *fields)
+        given = {"theta": theta, "omega": omega, "alpha": alpha}
+        return self._ask(_native.motion, Motion, given, self._assembly(assembly), strict)
 
     def jacobian(
         self,
@@ -309,14 +304,14 @@ class Arm(ArmStudies):
         >>> bool(abs(j @ [0.3, -0.2] - v).max() < 1e-15)
         True
         """
-        theta = np.asarray(theta, dtype=float)
-        of_tool = self._of_tool(point)
-        moved = [
-            self.motion(theta, unit, assembly=assembly, strict=strict)
-            for unit in ((1.0, 0.0), (0.0, 1.0))
-        ]
-        columns = [found.tool_velocity if of_tool else found.c_velocity for found in moved]
-        return np.stack(columns, axis=-1)
+        return self._ask(
+            _native.jacobian,
+            Jacobian,
+            {"theta": theta},
+            self._assembly(assembly),
+            strict,
+            self._of_tool(point),
+        ).jacobian
 
     def inverse_motion(
         self,
@@ -334,22 +329,14 @@ class Arm(ArmStudies):
         points [m], velocity [m/s], acceleration [m/s²]: of C, or of the tool, each S + (2,). A leg that is
         straight or folded is singular here (type 1). point: as for :meth:`inverse`.
         """
-        numbers = {
-            "points": pairs("points", points),
-            "velocity": pairs("velocity", velocity),
-            "acceleration": pairs("acceleration", acceleration),
-        }
-        fields, status = self._ask(
+        return self._ask(
             _native.inverse_motion,
-            numbers,
+            InverseMotion,
+            {"points": points, "velocity": velocity, "acceleration": acceleration},
             self._elbows(elbow1, elbow4),
-            [()] * 13,
             strict,
             self._of_tool(point),
         )
-        names = [f"{letter}{n}" for letter in ("theta", "omega", "alpha") for n in (1, 2, 3, 4)]
-        angles = dict(zip(names, fields))
-        return InverseMotion(status=status, assembly=signs(fields[-1]), **angles)
 
     def inverse_dynamics(
         self,
@@ -373,14 +360,13 @@ class Arm(ArmStudies):
         >>> arm.inverse_dynamics(arm.home).torque.tolist()
         [0.0, 0.0]
         """
-        numbers = self._moving(theta, omega, alpha)
-        numbers["external_force"] = pairs("external_force", external_force)
-        shapes: List[Tuple[int, ...]] = [(2,), (2, 2), (2,), *[(2,)] * 5]
-        fields, status = self._ask(
-            _native.inverse_dynamics, numbers, self._assembly(assembly), shapes, strict
+        return self._ask(
+            _native.inverse_dynamics,
+            InverseDynamics,
+            {"theta": theta, "omega": omega, "alpha": alpha, "external_force": external_force},
+            self._assembly(assembly),
+            strict,
         )
-        torque, mass_matrix, bias_torque, *reaction = fields
-        return InverseDynamics(status, torque, mass_matrix, bias_torque, Reaction(*reaction))
 
     def derivatives(
         self,
@@ -389,12 +375,14 @@ class Arm(ArmStudies):
         alpha: ArrayLike = (0.0, 0.0),
         assembly: Optional[SideLike] = None,
         *,
+        order: int = 2,
         strict: bool = False,
     ) -> Derivatives:
         """First and second derivatives of the motion of C and of the torques, by dual numbers.
 
         theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,). The variables are these, the
-        lengths and the masses. Needs an arm with masses. Statuses and errors are as for :meth:`inverse_dynamics`.
+        lengths and the masses. order: 1 for the first derivatives alone, at a tenth of the time; ``second`` is then None. Needs
+        an arm with masses. Statuses and errors are as for :meth:`inverse_dynamics`.
 
         >>> arm = Arm.load("benchtop")
         >>> d = arm.derivatives(arm.home)
@@ -403,16 +391,12 @@ class Arm(ArmStudies):
         >>> bool(abs(d.first[:2, :2] - arm.jacobian(arm.home)).max() < 1e-15)
         True
         """
-        numbers = self._moving(theta, omega, alpha)
-        ys, xs = len(Derivatives.QUANTITIES), len(Derivatives.VARIABLES)
-        fields, status = self._ask(
-            _native.derivatives,
-            numbers,
-            self._assembly(assembly),
-            [(ys,), (ys, xs), (ys, xs, xs)],
-            strict,
+        if order not in (1, 2):
+            raise FivebarError(f"order must be 1 or 2, not {order!r}")
+        given = {"theta": theta, "omega": omega, "alpha": alpha}
+        return self._ask(
+            _native.derivatives, Derivatives, given, self._assembly(assembly), strict, order == 2
         )
-        return Derivatives(status, *fields)
 
     def forward_dynamics(
         self,
@@ -430,16 +414,13 @@ class Arm(ArmStudies):
         external_force: on C [N], S + (2,). Statuses and errors are as for
         :meth:`inverse_dynamics`.
         """
-        numbers = {
-            "theta": pairs("theta", theta),
-            "omega": pairs("omega", omega),
-            "torque": pairs("torque", torque),
-            "external_force": pairs("external_force", external_force),
-        }
-        fields, status = self._ask(
-            _native.forward_dynamics, numbers, self._assembly(assembly), [(), ()], strict
+        return self._ask(
+            _native.forward_dynamics,
+            ForwardDynamics,
+            {"theta": theta, "omega": omega, "torque": torque, "external_force": external_force},
+            self._assembly(assembly),
+            strict,
         )
-        return ForwardDynamics(status, *fields)
 
     def simulate(
         self,
@@ -501,25 +482,34 @@ class Arm(ArmStudies):
     def _ask(
         self,
         question: Callable[..., Tuple[List[Floats], Statuses]],
-        numbers: Dict[str, Floats],
-        branches: Dict[str, Any],
-        shapes: Sequence[Tuple[int, ...]],
+        kind: Type[Asked],
+        given: Mapping[str, ArrayLike],
+        branches: Dict[str, SideLike],
         strict: bool,
         *options: bool,
-    ) -> Tuple[List[Floats], Statuses]:
-        shape, given, chosen = broadcast(numbers, branches)
-        order = dict(zip(numbers, given))
-        force = [order.pop("external_force")] if "external_force" in order else []
-        fields, status = question(self._robot, *order.values(), *chosen, *force, *options)
-        status = status.reshape(shape)
-        if strict:
-            refuse(status, dict(zip(numbers, given)))
-        return [f.reshape(shape + tail) for f, tail in zip(fields, shapes)], status
+    ) -> Asked:
+        try:
+            # A single pair of each needs no arrays. Many arrays are given one shape first.
+            if getattr(next(iter(given.values())), "ndim", 1) != 1:
+                raise TypeError
+            fields, status = question(self._robot, *given.values(), *branches.values(), *options)
+        except TypeError:
+            numbers = {name: pairs(name, value) for name, value in given.items()}
+            chosen = {name: sides(name, value) for name, value in branches.items()}
+            shape, many, each = broadcast(numbers, chosen)
+            fields, status = question(self._robot, *many, *each, *options)
+            status = status.reshape(shape)
+            fields = [f.reshape(shape + tail) for f, tail in zip(fields, kind.tails())]
+        if strict and status.any():
+            numbers = {name: pairs(name, value) for name, value in given.items()}
+            places = [np.broadcast_to(array, (*status.shape, 2)) for array in numbers.values()]
+            refuse(status, dict(zip(numbers, places)))
+        return kind.of(status, fields)
 
     def _of_tool(self, point: Optional[str]) -> bool:
         """Whether a point that is given is the tool's, and not that of C."""
         if point is None:
-            if any(self.tool_offset):
+            if self._has_tool_beside_c:
                 along, left = self.tool_offset
                 raise FivebarError(
                     f"the tool of {self.name!r} is beside C, {along:g} m along link 2 and {left:g} m to its left: "
@@ -530,16 +520,21 @@ class Arm(ArmStudies):
             raise FivebarError(f"point must be 'c' or 'tool', not {point!r}")
         return point == "tool"
 
-    def _moving(self, theta: ArrayLike, omega: ArrayLike, alpha: ArrayLike) -> Dict[str, Floats]:
-        given = {"theta": theta, "omega": omega, "alpha": alpha}
-        return {name: pairs(name, value) for name, value in given.items()}
+    def _assembly(self, assembly: Optional[SideLike]) -> Dict[str, SideLike]:
+        return {"assembly": self._assembly_sign() if assembly is None else assembly}
 
-    def _assembly(self, assembly: Optional[SideLike]) -> Dict[str, Any]:
-        own = self.assembly if assembly is None else assembly
-        return {"assembly": sides("assembly", own)}
+    def _assembly_sign(self) -> int:
+        if self._own_assembly is None:
+            raise RobotError(
+                f"robot `{self.name}` has no home pose in its working mode: "
+                "say assembly='left' or 'right'"
+            )
+        return self._own_assembly
 
-    def _elbows(self, elbow1: Optional[SideLike], elbow4: Optional[SideLike]) -> Dict[str, Any]:
-        own1, own4 = self.elbow1, self.elbow4
-        given = {"elbow1": own1 if elbow1 is None else elbow1}
-        given["elbow4"] = own4 if elbow4 is None else elbow4
-        return {name: sides(name, value) for name, value in given.items()}
+    def _elbows(
+        self, elbow1: Optional[SideLike], elbow4: Optional[SideLike]
+    ) -> Dict[str, SideLike]:
+        return {
+            "elbow1": self._elbow1 if elbow1 is None else elbow1,
+            "elbow4": self._elbow4 if elbow4 is None else elbow4,
+        }

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _measured, _native, _studies
+from . import _measured, _native, _plan, _studies
 from ._errors import FivebarError
 from ._many import completed
 from ._measured import Found, Photo
+from ._plan import Path, Plan
 from ._shapes import Floats, pair, rows
 from ._simulation import scenario_of
 
@@ -57,23 +59,31 @@ class ArmStudies:
 
     def plan(
         self,
-        path: Union[_studies.Source, Mapping[str, Any]],
+        path: Path,
         *,
+        limits: Optional[Mapping[str, Any]] = None,
+        corners: Optional[str] = None,
+        spline: bool = False,
         torque_share: float = 1.0,
         jerk: Optional[float] = None,
-    ) -> Dict[str, Any]:
+    ) -> Plan:
         """A time-optimal plan along a path: ``fivebar plan --path --json``.
 
         path: the JSON of a path file, as text, as a dictionary, or as the ``pathlib.Path`` of a
-        file; docs/design/time-optimal.md describes it. torque_share: share of the torque limits, in
+        file; docs/design/time-optimal.md describes it. Or points [m], shape (N, 2), with straight lines between them or, with
+        spline=True, a smooth curve through them. Points need limits, by the names of a path file: ``torque``, ``speed``,
+        ``acceleration`` of both joints, ``voltage``, ``tip_speed``, ``tip_acceleration``; an arm without masses has no limits of
+        torque and voltage. corners: ``"smooth"`` (the default) or ``"stop"``. torque_share: share of the torque limits, in
         (0, 1]. jerk: the greatest joint jerk [rad/s³]. The path's own robot is not looked at.
         Raises :class:`fivebar.StudyError`.
+
+        :meth:`fivebar.Plan.sample` gives the motion at any time.
         """
         if not 0.0 < torque_share <= 1.0:
             raise FivebarError(f"torque_share must be in (0, 1], not {torque_share!r}")
         if jerk is not None and not (jerk > 0.0 and np.isfinite(jerk)):
             raise FivebarError(f"jerk must be a positive finite number, not {jerk!r}")
-        return _studies.plan(self._robot, path, torque_share, jerk)
+        return _plan.plan(self._robot, path, limits, corners, spline, torque_share, jerk)
 
     def crossing(
         self, start: ArrayLike, end: ArrayLike, time: float, *, simulate: bool = False
@@ -180,6 +190,7 @@ class ArmStudies:
             raise FivebarError(f"samples must be 2 or more, not {samples!r}")
         pairs = {"at": at, "velocity": velocity, "acceleration": acceleration, "force": force}
         state = [pair(name, value) for name, value in pairs.items()]
+        _warn(self._robot)
         parts = None
         if client is not None:
             parts = _parts(self._robot, state, samples, seed, client, progress)
@@ -203,6 +214,8 @@ class ArmStudies:
             raise FivebarError("give wanted and classes together")
         corners = None if region is None else [float(number) for number in region]
         limit = None if wanted is None or classes is None else (wanted, os.fspath(classes))
+        if limit is None:
+            _warn(self._robot)
         found = _native.accuracy_map_of(self._robot, corners, pair("force", force), limit)
         return dict(json.loads(found))
 
@@ -223,6 +236,7 @@ class ArmStudies:
         name, text = _studies.text_of(job)
         place = None if origin is None else pair("origin", origin)
         strength = pair("force", force)
+        _warn(self._robot)
         found = _native.accuracy_along(self._robot, name, text, place, scale, strength)
         return dict(json.loads(found))
 
@@ -313,6 +327,12 @@ class ArmStudies:
         Ten periods of the first or the second of the :meth:`excitations`, a row for every tick.
         """
         return np.array(_native.simulated_log(self._robot, second))
+
+
+def _warn(robot: _native.Robot) -> None:
+    """Warns where all deviations are 0 because the robot has no tolerances."""
+    if robot.without_tolerance is not None:
+        warnings.warn(robot.without_tolerance, stacklevel=3)
 
 
 def _parts(

@@ -71,6 +71,11 @@ class JobError(FivebarError):
 class RunError(FivebarError):
     """A run that could not begin or ended early, for a reason other than a fault of the arm."""
 
+    def __init__(self, message: str, index: Optional[int] = None) -> None:
+        super().__init__(message)
+        #: The first arm of :class:`fivebar.Plants` that cannot go on.
+        self.index = index
+
 
 class StudyError(FivebarError):
     """A study that cannot be done, or a description of it that is refused."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import uuid
+import warnings
+from asyncio import TimeoutError as AsyncTimeoutError
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple, TypeVar
 
@@ -12,6 +14,8 @@ Result = TypeVar("Result")
 RETRIES = 3
 #: Tasks that wait for each thread of the cluster, so that it never waits for the next one.
 AHEAD = 3
+#: Seconds after which a cluster without workers is told of.
+PATIENCE = 5
 
 
 def cores() -> int:
@@ -54,6 +58,13 @@ def _on_cluster(
 ) -> Iterator[Tuple[int, Result]]:
     from dask.distributed import as_completed
 
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except (TimeoutError, AsyncTimeoutError):
+        warnings.warn(
+            f"the cluster has had no worker for {PATIENCE} s: the work begins when there is one (dask worker ADDRESS)",
+            stacklevel=2,
+        )
     name = f"fivebar-{uuid.uuid4().hex}"
     rest = iter(indices)
     waiting: Dict[str, int] = {}

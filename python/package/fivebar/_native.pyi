@@ -6,17 +6,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Numbers = NDArray[np.float64]
-_Signs = NDArray[np.int8]
+# One pair or sign, or an array of many; anything else raises TypeError.
+_Pairs = Any
+_Signs = Any
 _Rows = Sequence[Sequence[float]]
 _Placed = Tuple[str, str, Optional[Sequence[float]], float, float]
-_Answer = Tuple[List[_Numbers], NDArray[np.uint8]]
+_Answer = Tuple[List[NDArray[Any]], NDArray[np.uint8]]
+_Start = Tuple[Optional[Sequence[float]], Sequence[float], int]
+
+__version__: str
 
 __all__ = [
     "Connection",
+    "Plan",
     "Plant",
+    "Plants",
     "Robot",
     "Scenario",
     "Study",
+    "__version__",
     "accuracy",
     "accuracy_along",
     "accuracy_blocks",
@@ -37,6 +45,7 @@ __all__ = [
     "inverse",
     "inverse_dynamics",
     "inverse_motion",
+    "jacobian",
     "linkage",
     "linkage_accuracy",
     "margins",
@@ -45,7 +54,6 @@ __all__ = [
     "motion",
     "photo",
     "photo_marks",
-    "plan",
     "simulated_log",
     "slider_accuracy",
     "statuses",
@@ -79,6 +87,8 @@ class Robot:
     def tool_offset(self) -> List[float]: ...
     @property
     def has_masses(self) -> bool: ...
+    @property
+    def without_tolerance(self) -> Optional[str]: ...
 
 @final
 class Scenario:
@@ -149,19 +159,53 @@ class Plant:
     def __new__(
         cls,
         robot: Robot,
-        theta: Optional[Sequence[float]],
-        assembly: int,
+        start: _Start,
         mismatch: Dict[str, Any],
+        tolerance: Optional[float],
     ) -> Plant: ...
-    def step(self, torque: Sequence[float], time: float, force: Sequence[float]) -> None: ...
+    def copy(self) -> Plant: ...
+    def step(self, torque: _Pairs, time: float, force: _Pairs) -> None: ...
     @property
-    def theta(self) -> List[float]: ...
+    def theta(self) -> _Numbers: ...
     @property
-    def omega(self) -> List[float]: ...
+    def omega(self) -> _Numbers: ...
     @property
-    def tool(self) -> List[float]: ...
+    def tool(self) -> _Numbers: ...
     @property
     def time(self) -> float: ...
+    @property
+    def numbers(self) -> _Numbers: ...
+    def set_numbers(self, numbers: _Numbers) -> None: ...
+
+@final
+class Plants:
+    def __new__(
+        cls,
+        robot: Robot,
+        starts: Sequence[Tuple[_Start, Dict[str, Any]]],
+        tolerance: Optional[float],
+    ) -> Plants: ...
+    def step(self, torque: _Numbers, time: float, force: _Numbers) -> Optional[int]: ...
+    @property
+    def theta(self) -> _Numbers: ...
+    @property
+    def omega(self) -> _Numbers: ...
+    @property
+    def tool(self) -> _Numbers: ...
+    @property
+    def numbers(self) -> _Numbers: ...
+    def set_motions(
+        self, robot: Robot, indices: Sequence[int], motions: _Numbers, assembly: int
+    ) -> None: ...
+    def set_numbers(self, indices: Sequence[int], numbers: _Numbers) -> None: ...
+
+@final
+class Plan:
+    def __new__(
+        cls, robot: Robot, file: str, text: str, torque_share: float, jerk: Optional[float]
+    ) -> Plan: ...
+    def answer(self) -> str: ...
+    def sample(self, times: _Numbers) -> _Numbers: ...
 
 @final
 class Study:
@@ -186,45 +230,45 @@ def mode_change(
 ) -> List[List[float]]: ...
 def statuses() -> List[Tuple[int, str, str]]: ...
 def inverse(
-    robot: Robot, points: _Numbers, elbow1: _Signs, elbow4: _Signs, of_tool: bool
+    robot: Robot, points: _Pairs, elbow1: _Signs, elbow4: _Signs, of_tool: bool
 ) -> _Answer: ...
-def forward(robot: Robot, theta: _Numbers, assembly: _Signs) -> _Answer: ...
+def forward(robot: Robot, theta: _Pairs, assembly: _Signs) -> _Answer: ...
 def motion(
-    robot: Robot, theta: _Numbers, omega: _Numbers, alpha: _Numbers, assembly: _Signs
+    robot: Robot, theta: _Pairs, omega: _Pairs, alpha: _Pairs, assembly: _Signs
+) -> _Answer: ...
+def jacobian(
+    robot: Robot, theta: _Pairs, assembly: _Signs, of_tool: bool
 ) -> _Answer: ...
 def inverse_motion(
     robot: Robot,
-    points: _Numbers,
-    velocity: _Numbers,
-    acceleration: _Numbers,
+    points: _Pairs,
+    velocity: _Pairs,
+    acceleration: _Pairs,
     elbow1: _Signs,
     elbow4: _Signs,
     of_tool: bool,
 ) -> _Answer: ...
 def inverse_dynamics(
     robot: Robot,
-    theta: _Numbers,
-    omega: _Numbers,
-    alpha: _Numbers,
+    theta: _Pairs,
+    omega: _Pairs,
+    alpha: _Pairs,
+    external_force: _Pairs,
     assembly: _Signs,
-    external_force: _Numbers,
 ) -> _Answer: ...
 def derivatives(
-    robot: Robot, theta: _Numbers, omega: _Numbers, alpha: _Numbers, assembly: _Signs
+    robot: Robot, theta: _Pairs, omega: _Pairs, alpha: _Pairs, assembly: _Signs, second: bool
 ) -> _Answer: ...
 def forward_dynamics(
     robot: Robot,
-    theta: _Numbers,
-    omega: _Numbers,
-    torque: _Numbers,
+    theta: _Pairs,
+    omega: _Pairs,
+    torque: _Pairs,
+    external_force: _Pairs,
     assembly: _Signs,
-    external_force: _Numbers,
 ) -> _Answer: ...
 def workspace(robot: Robot, resolution: Optional[float]) -> str: ...
 def margins(robot: Robot) -> str: ...
-def plan(
-    robot: Robot, file: str, text: str, torque_share: float, jerk: Optional[float]
-) -> str: ...
 def accuracy(
     robot: Robot,
     state: Sequence[Sequence[float]],

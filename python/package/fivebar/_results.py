@@ -9,20 +9,38 @@ the frame of the base, A at the origin, E on +x.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar, List, Mapping, Optional, Tuple, Type, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._shapes import Floats, Signs, Statuses
 from ._status import Status
+from ._tables import JOINTS, LABELS, NUMBER, POINT, Table
+
+Asked = TypeVar("Asked", bound="Answer")
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class Answer(Table):
     """The part that all results have."""
+
+    FIELDS: ClassVar[Mapping[str, Tuple[str, ...]]] = {"status": NUMBER}
 
     #: Codes of :class:`Status`, shape S.
     status: Statuses
+
+    @classmethod
+    def tails(cls) -> List[Tuple[int, ...]]:
+        """The last axes of each field that the compiled half answers."""
+        return [tuple(len(LABELS[axis]) for axis in axes) for axes in [*cls.FIELDS.values()][1:]]
+
+    @classmethod
+    def of(cls: Type[Asked], status: Statuses, fields: List[Floats]) -> Asked:
+        """The answer of these fields, in the order of ``FIELDS``; without its ``__init__``, which takes longer than a question."""
+        answer = cls.__new__(cls)
+        answer.__dict__.update(zip(cls.FIELDS, (status, *fields)))
+        return answer
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -34,6 +52,16 @@ class Answer:
 @dataclass(frozen=True, eq=False)
 class Forward(Answer):
     """The positions of C and of the tool, with the angles of links 2 and 3."""
+
+    FIELDS = {
+        **Answer.FIELDS,
+        "c": POINT,
+        "theta2": NUMBER,
+        "theta3": NUMBER,
+        "elbow1": NUMBER,
+        "elbow4": NUMBER,
+        "tool": POINT,
+    }
 
     #: C [m], shape S + (2,).
     c: Floats
@@ -52,6 +80,15 @@ class Forward(Answer):
 @dataclass(frozen=True, eq=False)
 class Inverse(Answer):
     """The angles of all links [rad], each of shape S and in (−π, π]."""
+
+    FIELDS = {
+        **Answer.FIELDS,
+        "theta1": NUMBER,
+        "theta4": NUMBER,
+        "theta2": NUMBER,
+        "theta3": NUMBER,
+        "assembly": NUMBER,
+    }
 
     #: Driven link 1, A to B.
     theta1: Floats
@@ -73,6 +110,20 @@ class Inverse(Answer):
 @dataclass(frozen=True, eq=False)
 class Motion(Answer):
     """The motion of C, of the tool and of links 2 and 3."""
+
+    FIELDS = {
+        **Answer.FIELDS,
+        "c": POINT,
+        "c_velocity": POINT,
+        "c_acceleration": POINT,
+        "omega2": NUMBER,
+        "omega3": NUMBER,
+        "alpha2": NUMBER,
+        "alpha3": NUMBER,
+        "tool": POINT,
+        "tool_velocity": POINT,
+        "tool_acceleration": POINT,
+    }
 
     #: C [m], shape S + (2,).
     c: Floats
@@ -97,8 +148,23 @@ class Motion(Answer):
 
 
 @dataclass(frozen=True, eq=False)
+class Jacobian(Answer):
+    """The answer of the compiled half to :meth:`fivebar.Arm.jacobian`."""
+
+    FIELDS = {**Answer.FIELDS, "jacobian": ("axis", "joint")}
+
+    #: ∂(x, y)/∂(θ1, θ4) [m/rad], shape S + (2, 2).
+    jacobian: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class InverseMotion(Inverse):
     """The motion of all links: rates [rad/s], accelerations [rad/s²], each of shape S."""
+
+    FIELDS = {
+        **Inverse.FIELDS,
+        **{f"{letter}{link}": NUMBER for letter in ("omega", "alpha") for link in (1, 4, 2, 3)},
+    }
 
     omega1: Floats
     omega4: Floats
@@ -140,6 +206,14 @@ class Reaction:
 class InverseDynamics(Answer):
     """The torques of a motion: torque = mass_matrix · (α1, α4) + bias_torque."""
 
+    FIELDS = {
+        **Answer.FIELDS,
+        "torque": JOINTS,
+        "mass_matrix": ("joint", "of_joint"),
+        "bias_torque": JOINTS,
+        **{f"reaction_{joint}": POINT for joint in "abcde"},
+    }
+
     #: τ1, τ4 on links 1 and 4 [N·m], shape S + (2,).
     torque: Floats
     #: M(q) [kg·m²], shape S + (2, 2).
@@ -150,10 +224,25 @@ class InverseDynamics(Answer):
     #: The forces in the joints.
     reaction: Reaction
 
+    @classmethod
+    def of(
+        cls: Type[InverseDynamics], status: Statuses, fields: List[Floats]
+    ) -> InverseDynamics:
+        """The answer of these fields, in the order of ``FIELDS``."""
+        answer = super().of(status, fields)
+        answer.__dict__["reaction"] = Reaction(*fields[3:])
+        return answer
+
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics(Answer):
     """The accelerations that torques give [rad/s²], each of shape S."""
+
+    FIELDS = {
+        **Answer.FIELDS,
+        "alpha1": NUMBER,
+        "alpha4": NUMBER,
+    }
 
     #: Of link 1.
     alpha1: Floats
@@ -176,14 +265,19 @@ class Derivatives(Answer):
     """
 
     #: The names of the quantities, in their order.
-    QUANTITIES = ("x", "y", "vx", "vy", "ax", "ay", "torque1", "torque4")
+    QUANTITIES = LABELS["quantity"]
     #: The names of the variables, in their order.
-    VARIABLES = ("theta1", "theta4", "omega1", "omega4", "alpha1", "alpha4",
-                 "l1", "l2", "l3", "l4", "base", "m1", "m2", "m3", "m4")
+    VARIABLES = LABELS["variable"]
+    FIELDS = {
+        **Answer.FIELDS,
+        "value": ("quantity",),
+        "first": ("quantity", "variable"),
+        "second": ("quantity", "variable", "of_variable"),
+    }
 
     #: y, shape S + (8,).
     value: Floats
     #: ∂y/∂x, shape S + (8, 15).
     first: Floats
-    #: ∂²y/∂x∂x, shape S + (8, 15, 15).
-    second: Floats
+    #: ∂²y/∂x∂x, shape S + (8, 15, 15); None with ``order=1``.
+    second: Optional[Floats] = None

@@ -25,7 +25,7 @@ def pairs(name: str, value: ArrayLike) -> Floats:
     if array.dtype.kind not in "biuf":
         raise TypeError(f"{name} must hold real numbers, not {array.dtype}")
     if array.ndim == 0 or array.shape[-1] != 2:
-        raise ValueError(f"{name} must have a last axis of length 2, not shape {array.shape}")
+        raise FivebarError(f"{name} must have a last axis of length 2, not shape {array.shape}")
     return array.astype(np.float64, copy=False)
 
 
@@ -68,7 +68,7 @@ def sides(name: str, value: SideLike) -> Signs:
     else:
         known = False
     if not known:
-        raise ValueError(f"{name} must be 'left' or 'right', or +1 or -1, not {value!r}")
+        raise FivebarError(f"{name} must be 'left' or 'right', or +1 or -1, not {value!r}")
     return signs
 
 
@@ -82,17 +82,12 @@ def broadcast(
         shape = np.broadcast_shapes(*shapes.values())
     except ValueError:
         said = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise ValueError(f"the shapes of the batch do not go together: {said}") from None
+        raise FivebarError(f"the shapes of the batch do not go together: {said}") from None
     return (
         shape,
         [np.require(np.broadcast_to(a, (*shape, 2)), None, ("C", "A")) for a in numbers.values()],
         [np.require(np.broadcast_to(a, shape), None, ("C", "A")) for a in branches.values()],
     )
-
-
-def signs(column: Floats) -> Signs:
-    """Signs of sides in a result: 0 where there is none."""
-    return np.where(np.isnan(column), 0.0, column).astype(np.int8).reshape(column.shape)
 
 
 def refuse(statuses: Statuses, given: Dict[str, Floats]) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from . import _native
 from ._errors import FivebarError
 from ._shapes import Floats
+from ._tables import JOINTS, NUMBER, POINT, Table
 
 #: How an arm differs from the controller's model: a number, a list of numbers, or for
 #: ``encoder_error`` a list of harmonics for each encoder, by the keys of a scenario's
@@ -47,11 +48,29 @@ NO_MISMATCH: Dict[str, Any] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
+class Trace(Table):
     """A job sample by sample, evenly spaced; N samples, at most 50,000.
 
     Pairs, of shape (N, 2), are (x, y) in the frame of the base, or joint 1 and joint 4.
     """
+
+    ALONG = "time"
+    FIELDS = {
+        "time": NUMBER,
+        "line": NUMBER,
+        "reference": POINT,
+        "tool": POINT,
+        "angle": JOINTS,
+        "reference_angle": JOINTS,
+        "reference_velocity": JOINTS,
+        "reference_acceleration": JOINTS,
+        "torque": JOINTS,
+        "current_set_point": JOINTS,
+        "current": JOINTS,
+        "duty": JOINTS,
+        "saturated": NUMBER,
+        "tool_level": NUMBER,
+    }
 
     #: Since the beginning of the job, after homing [s], shape (N,).
     time: Floats

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional, Union
+from typing import Any, Dict, Optional, Union
 
 from . import _native
 
@@ -31,14 +31,3 @@ def workspace(robot: _native.Robot, resolution: Optional[float]) -> Dict[str, An
 def margins(robot: _native.Robot) -> Dict[str, Any]:
     """See :meth:`fivebar.Arm.margins`."""
     return dict(json.loads(_native.margins(robot)))
-
-
-def plan(
-    robot: _native.Robot,
-    path: Union[Source, Mapping[str, Any]],
-    torque_share: float,
-    jerk: Optional[float],
-) -> Dict[str, Any]:
-    """See :meth:`fivebar.Arm.plan`."""
-    name, text = (UNNAMED, json.dumps(path)) if isinstance(path, Mapping) else text_of(path)
-    return dict(json.loads(_native.plan(robot, name, text, torque_share, jerk)))

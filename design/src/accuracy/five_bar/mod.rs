@@ -55,17 +55,49 @@ pub struct ToolSensitivities {
     pub lengths: [Vector2<f64>; 5],
 }
 
-/// The dual basis of (u2, u3): δC = p·across2 + q·across3 for u2·δC = p, u3·δC = q.
-fn dual_basis(pose: &Pose<f64>) -> Result<[Vector2<f64>; 2], AccuracyError> {
-    let sine = pose.u2.cross_z(pose.u3);
-    if sine.abs() < 1e-9 {
-        return Err(PoseError::Singular(Singularity::Parallel).into());
+impl ToolSensitivities {
+    /// Of an arm whose links have the directions u1…u4 and whose driven links have the lengths l1, l4 [m]; none at
+    /// type 2.
+    pub(crate) fn of_links(
+        [u1, u2, u3, u4]: [Vector2<f64>; 4],
+        [l1, l4]: [f64; 2],
+    ) -> Option<Self> {
+        let [by2, by3] = dual_basis(u2, u3)?;
+        let base = Vector2::new(1.0, 0.0);
+        let from_b = |delta_b: Vector2<f64>| by2 * u2.dot(&delta_b);
+        let from_d = |delta_d: Vector2<f64>| by3 * u3.dot(&delta_d);
+        Some(Self {
+            inputs: [
+                from_b(u1.perpendicular() * l1),
+                from_d(u4.perpendicular() * l4),
+            ],
+            lengths: [from_b(u1), by2, by3, from_d(u4), from_d(base) - base * 0.5],
+        })
     }
-    Ok([
-        -pose.u3.perpendicular() * (1.0 / sine),
-        pose.u2.perpendicular() * (1.0 / sine),
-    ])
+
+    /// √(σx² + σy²) of C [m] for standard deviations of the inputs [rad] and of the lengths [m].
+    pub fn radial_deviation(&self, inputs: [f64; 2], lengths: [f64; 5]) -> f64 {
+        let inputs = self.inputs.iter().zip(inputs);
+        let all = inputs.chain(self.lengths.iter().zip(lengths));
+        all.map(|(by, deviation)| (by * deviation).norm_squared())
+            .sum::<f64>()
+            .sqrt()
+    }
 }
+
+/// The dual basis of (u2, u3): δC = p·across2 + q·across3 for u2·δC = p, u3·δC = q; none at type 2.
+fn dual_basis(u2: Vector2<f64>, u3: Vector2<f64>) -> Option<[Vector2<f64>; 2]> {
+    let sine = u2.cross_z(u3);
+    (sine.abs() >= 1e-9).then(|| {
+        [
+            -u3.perpendicular() * (1.0 / sine),
+            u2.perpendicular() * (1.0 / sine),
+        ]
+    })
+}
+
+/// The arm is singular of type 2.
+const PARALLEL: AccuracyError = AccuracyError::Pose(PoseError::Singular(Singularity::Parallel));
 
 /// The sensitivity of C to inputs and lengths at a pose.
 ///
@@ -75,23 +107,8 @@ pub fn tool_sensitivities(
     geometry: &Geometry<f64>,
     pose: &Pose<f64>,
 ) -> Result<ToolSensitivities, AccuracyError> {
-    let [by2, by3] = dual_basis(pose)?;
-    let base = Vector2::new(1.0, 0.0);
-    let from_b = |delta_b: Vector2<f64>| by2 * pose.u2.dot(&delta_b);
-    let from_d = |delta_d: Vector2<f64>| by3 * pose.u3.dot(&delta_d);
-    Ok(ToolSensitivities {
-        inputs: [
-            from_b(pose.u1.perpendicular() * geometry.l1()),
-            from_d(pose.u4.perpendicular() * geometry.l4()),
-        ],
-        lengths: [
-            from_b(pose.u1),
-            by2,
-            by3,
-            from_d(pose.u4),
-            from_d(base) - base * 0.5,
-        ],
-    })
+    let directions = [pose.u1, pose.u2, pose.u3, pose.u4];
+    ToolSensitivities::of_links(directions, [geometry.l1(), geometry.l4()]).ok_or(PARALLEL)
 }
 
 /// The greatest displacement of C [m] by errors of θ1 and θ4 of up to ± `greatest` [rad]. It
@@ -138,7 +155,7 @@ pub fn clearance_error(
     pose: &Pose<f64>,
     radii: [f64; 5],
 ) -> Result<ClearanceError, AccuracyError> {
-    let [by2, by3] = dual_basis(pose)?;
+    let [by2, by3] = dual_basis(pose.u2, pose.u3).ok_or(PARALLEL)?;
     let [a, b, c, d, e] = radii;
     let (left, right) = (a + b, c + d + e);
     let mut worst_linear = 0.0_f64;

@@ -114,3 +114,40 @@ fn keys_of_other_kinds_and_missing_sizes_are_refused() {
         assert!(error.to_string().contains(reason), "{error}");
     }
 }
+
+#[test]
+fn either_requirement_alone_suffices_and_none_is_refused() {
+    let required = |require: &str| {
+        let text = format!(
+            "symmetric = true\nbase = [0.0, 0.0]\nlink_sum = 0.3\n[area]\nkind = \"annulus\"\n[require]\n{require}\n\
+             [objective]\nmaximise = \"size\"\n"
+        );
+        let spec = parse("spec.toml", &text, Path::new(JOBS));
+        spec.map(|spec| [spec.dexterity, spec.sine])
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(required("sine = 0.4"), Ok([0.0, 0.4]));
+    assert_eq!(required("dexterity = 0.3"), Ok([0.3, 0.0]));
+    assert_eq!(required("dexterity = 0.3\nsine = 0.4"), Ok([0.3, 0.4]));
+    for (require, reason) in [
+        ("", "`dexterity` of [require] is missing, and `sine`, too"),
+        (
+            "sine = 0.0",
+            "`dexterity` of [require] is missing, and `sine`, too",
+        ),
+        (
+            "dexterity = 0.0",
+            "`dexterity` of [require] must be more than 0",
+        ),
+        (
+            "sine = 1.0",
+            "`sine` of [require] must be at least 0 and less than 1",
+        ),
+    ] {
+        let refused = required(require).unwrap_err();
+        assert!(
+            refused.starts_with("spec.toml, line ") && refused.contains(reason),
+            "{refused}"
+        );
+    }
+}

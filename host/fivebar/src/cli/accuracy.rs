@@ -7,7 +7,7 @@ use super::say::{print, say, warn};
 use super::value_error::ValueError;
 use clap::ArgGroup;
 use fivebar_design::accuracy::Sampling;
-use fivebar_design::accuracy::five_bar::{ArmTolerance, ToolState, draws, monte_carlo};
+use fivebar_design::accuracy::five_bar::{ToolState, draws, monte_carlo};
 use fivebar_design::accuracy::slider::sample_slider;
 use fivebar_files::accuracy_classes::Classes;
 use fivebar_files::job::{self, Job, Placement};
@@ -19,7 +19,7 @@ use fivebar_report::output::write_in;
 use fivebar_report::pages::accuracy::{at_page, linkage_page, map_page, path_page, slider_page};
 use fivebar_report::study::accuracy::{
     accuracy_map, allocation_answer, analyse, analyse_slider, answer, cheapest, linkage_answer,
-    map_answer, path_accuracy, path_answer, slider_answer, study_linkage,
+    map_answer, path_accuracy, path_answer, slider_answer, study_linkage, without_tolerance,
 };
 use fivebar_report::text::quantity;
 use indicatif::ProgressBar;
@@ -207,12 +207,8 @@ fn vector([x, y]: [f64; 2]) -> Vector2<f64> {
 
 fn study(args: &Args, robot: &Robot) -> Result<(Value, Page), Failure> {
     let force = vector(args.force);
-    if robot.tolerance == ArmTolerance::default() && args.wanted.is_none() {
-        warn(format_args!(
-            "{}: the file has no [tolerance], so all deviations are 0; its keys are length_sd, \
-             input_sd, input_max and clearance_radius",
-            args.file
-        ));
+    if let Some(reason) = without_tolerance(robot).filter(|_| args.wanted.is_none()) {
+        warn(format_args!("{}: {reason}", args.file));
     }
     if let Some(path) = &args.path {
         return along_path(args, robot, path, force);

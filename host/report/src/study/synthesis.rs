@@ -24,7 +24,8 @@ pub fn answer(synthesis: &Synthesis) -> Value {
 }
 
 fn design(design: &Design) -> Value {
-    let measures = design.measures;
+    let (measures, worst) = (design.measures, design.worst_points);
+    let has_error = measures.error > 0.0;
     json!({
         "link_lengths": design.lengths,
         "size": design.size,
@@ -34,7 +35,14 @@ fn design(design: &Design) -> Value {
         "torque_per_force": measures.torque,
         "speed_per_rate": measures.speed,
         "stiffness_per_drive": measures.stiffness,
-        "error": (measures.error > 0.0).then_some(measures.error),
+        "error": has_error.then_some(measures.error),
+        "worst_points": {
+            "dexterity": worst.dexterity,
+            "torque": worst.torque,
+            "speed": worst.speed,
+            "stiffness": worst.stiffness,
+            "error": has_error.then_some(worst.error),
+        },
     })
 }
 

@@ -3,11 +3,19 @@
 use super::error::AccuracyStudyError;
 use fivebar_design::accuracy::allocation::Allocation;
 use fivebar_design::accuracy::five_bar::{
-    self, AccuracyAnalysis, AccuracyMap, ToolState, cheapest_classes,
+    self, AccuracyAnalysis, AccuracyMap, ArmTolerance, ToolState, cheapest_classes,
 };
 use fivebar_files::accuracy_classes::Classes;
 use fivebar_files::robot::Robot;
 use nalgebra::Vector2;
+
+/// Why all deviations of a robot are 0, if its file has no tolerances.
+pub fn without_tolerance(robot: &Robot) -> Option<&'static str> {
+    (robot.tolerance == ArmTolerance::default()).then_some(
+        "the file has no [tolerance], so all deviations are 0; its keys are length_sd, input_sd, input_max and \
+         clearance_radius",
+    )
+}
 
 /// Analyses one state of a robot.
 ///

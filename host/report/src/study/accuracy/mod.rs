@@ -12,7 +12,7 @@ mod slider;
 pub(crate) use answer::JOINTS;
 pub use answer::{allocation_answer, answer, map_answer, path_answer};
 pub use error::AccuracyStudyError;
-pub use five_bar::{Cheapest, accuracy_map, analyse, cheapest};
+pub use five_bar::{Cheapest, accuracy_map, analyse, cheapest, without_tolerance};
 pub(crate) use linkage::drive_name;
 pub use linkage::{linkage_answer, study_linkage};
 pub use path::{ContactLoss, PathAccuracy, PathPoint, path_accuracy};

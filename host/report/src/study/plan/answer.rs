@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 impl PlanStudy {
     /// One JSON object; the units are in the keys.
     pub fn answer(&self) -> Value {
-        let runs: Vec<Value> = self.runs.iter().map(run).collect();
+        let runs: Vec<Value> = self.runs.iter().map(|run| self.run(run)).collect();
         json!({
             "time_s": self.time(),
             "runs": runs,
@@ -27,18 +27,19 @@ impl PlanStudy {
         let excess = self.runs.iter().map(|run| run.limit_excess);
         excess.fold(0.0, f64::max)
     }
-}
 
-fn run(run: &Run) -> Value {
-    let each = |of: fn(&RunSample) -> f64| run.samples.iter().map(of).collect::<Vec<f64>>();
-    json!({
-        "length": run.length,
-        "time": run.time,
-        "s": each(|at| at.s),
-        "sdot": each(|at| at.s_dot),
-        "sddot": each(|at| at.s_ddot),
-        "t": each(|at| at.t),
-        "torque1_nm": each(|at| at.torque[0]),
-        "torque4_nm": each(|at| at.torque[1]),
-    })
+    fn run(&self, run: &Run) -> Value {
+        let each = |of: fn(&RunSample) -> f64| run.samples.iter().map(of).collect::<Vec<f64>>();
+        let torque = |of| self.has_masses.then(|| each(of));
+        json!({
+            "length": run.length,
+            "time": run.time,
+            "s": each(|at| at.s),
+            "sdot": each(|at| at.s_dot),
+            "sddot": each(|at| at.s_ddot),
+            "t": each(|at| at.t),
+            "torque1_nm": torque(|at| at.torque[0]),
+            "torque4_nm": torque(|at| at.torque[1]),
+        })
+    }
 }

@@ -5,12 +5,12 @@
 mod answer;
 
 use fivebar_design::time_optimal::{
-    DrivenArm, PlanError, PlanLimits, PlannedDrive, Run, RunSample, plan,
+    DrivenArm, PathPiece, PlanError, PlanLimits, Run, RunSample, plan,
 };
 use fivebar_files::path_case::{Corners, PathCase};
 use fivebar_files::robot::{MissingMasses, Robot};
-use fivebar_kinematics::dynamics::{Arm, ModelError};
-use fivebar_kinematics::five_bar::{GeometryError, Joint, JointLimits};
+use fivebar_kinematics::dynamics::{Arm, Link, ModelError};
+use fivebar_kinematics::five_bar::{GeometryError, Joint, JointLimits, PoseError};
 use nalgebra::Vector2;
 use std::time::{Duration, Instant};
 
@@ -41,7 +41,29 @@ pub struct PlanStudy {
     pub planning: Duration,
     /// The limits, with the share of the torque.
     pub limits: PlanLimits,
-    drives: [PlannedDrive; 2],
+    arm: DrivenArm,
+    /// The pieces of each run.
+    parts: Vec<Vec<PathPiece>>,
+    has_masses: bool,
+}
+
+/// The motion of a plan at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanMoment {
+    /// θ1, θ4 [rad], in (−π, π].
+    pub theta: [f64; 2],
+    /// ω1, ω4 [rad/s].
+    pub omega: [f64; 2],
+    /// α1, α4 [rad/s²].
+    pub alpha: [f64; 2],
+    /// The tool's position [m].
+    pub tool: Vector2<f64>,
+    /// Its velocity [m/s].
+    pub velocity: Vector2<f64>,
+    /// Its acceleration [m/s²].
+    pub acceleration: Vector2<f64>,
+    /// τ1, τ4 [N·m], with friction; none for a robot without masses.
+    pub torque: Option<[f64; 2]>,
 }
 
 impl PlanStudy {
@@ -63,9 +85,9 @@ impl PlanStudy {
             ..case.limits
         };
         let pieces = &case.path[..];
-        let parts: Vec<_> = match case.corners {
-            Corners::Stop => pieces.chunks(1).collect(),
-            Corners::Smooth | Corners::Blend => vec![pieces],
+        let parts: Vec<Vec<PathPiece>> = match case.corners {
+            Corners::Stop => pieces.chunks(1).map(<[_]>::to_vec).collect(),
+            Corners::Smooth | Corners::Blend => vec![pieces.to_vec()],
         };
         let runs = parts.iter().enumerate().map(|(n, pieces)| {
             let run = plan(&arm, &limits, pieces, jerk);
@@ -76,13 +98,52 @@ impl PlanStudy {
             runs,
             planning: begin.elapsed(),
             limits,
-            drives: *arm.drives(),
+            arm,
+            parts,
+            has_masses: robot.arm().is_ok(),
+        })
+    }
+
+    /// The motion at a time from the beginning of the first run [s]; before and after the plan the arm rests at its ends.
+    ///
+    /// # Errors
+    /// None on a path that has been planned, but at a point beside it by rounding.
+    pub fn at(&self, mut t: f64) -> Result<PlanMoment, PoseError> {
+        let mut index = 0;
+        while index + 1 < self.runs.len() && t > self.runs[index].time {
+            t -= self.runs[index].time;
+            index += 1;
+        }
+        let [mut s, s_dot, s_ddot] = self.runs[index].at(t);
+        let mut pieces = self.parts[index].iter();
+        let mut piece = &self.parts[index][0];
+        for next in pieces.by_ref() {
+            piece = next;
+            if s <= piece.length() {
+                break;
+            }
+            s -= piece.length();
+        }
+        let point = piece.at(s.min(piece.length()));
+        let demand = self.arm.demand(&point)?;
+        let x = s_dot * s_dot;
+        let along =
+            |first: [f64; 2], second: [f64; 2]| [0, 1].map(|j| first[j] * s_ddot + second[j] * x);
+        Ok(PlanMoment {
+            theta: demand.direction.map(|u| u.y.atan2(u.x)),
+            omega: demand.q1.map(|rate| rate * s_dot),
+            alpha: along(demand.q1, demand.q2),
+            tool: point.c,
+            velocity: point.tangent * s_dot,
+            acceleration: point.tangent * s_ddot + point.curvature * x,
+            torque: self.has_masses.then(|| demand.torque(x, s_ddot)),
         })
     }
 
     /// ṡ of the maximum velocity curve at a sample.
     pub fn maximum_velocity(&self, sample: &RunSample) -> f64 {
-        self.limits.maximum_velocity(&sample.demand, &self.drives)
+        self.limits
+            .maximum_velocity(&sample.demand, self.arm.drives())
     }
 
     /// The run, from 1, and the place where a joint first leaves the robot's `limits.angle`.
@@ -105,15 +166,30 @@ impl PlanStudy {
 }
 
 fn driven_arm(robot: &Robot, case: &PathCase) -> Result<DrivenArm, PlanStudyError> {
-    let own = robot.arm()?;
-    let arm = Arm::new(
-        robot.geometry,
-        *own.links(),
-        case.payload.unwrap_or(own.payload()),
-        case.gravity.map_or(own.gravity(), Vector2::from),
-        own.rotor_inertia(),
-    )?;
+    let limits = &case.limits;
+    let needs_torque =
+        limits.torque.iter().any(|limit| limit.is_finite()) || limits.voltage.is_some();
+    let arm = match robot.arm() {
+        Err(_) if !needs_torque => without_masses(robot)?,
+        own => {
+            let own = own?;
+            Arm::new(
+                robot.geometry,
+                *own.links(),
+                case.payload.unwrap_or(own.payload()),
+                case.gravity.map_or(own.gravity(), Vector2::from),
+                own.rotor_inertia(),
+            )?
+        }
+    };
     let tool = robot.tool_on_link()?;
     let drives = robot.planned_drives();
     Ok(DrivenArm::new(&arm, tool, case.working_mode, drives)?)
+}
+
+/// An arm for a plan whose limits are of motion alone: its torques mean nothing.
+fn without_masses(robot: &Robot) -> Result<Arm<f64>, ModelError> {
+    let [l1, l2, l3, l4, _] = robot.geometry.lengths();
+    let rods = [l1, l2, l3, l4].map(|length| Link::uniform_rod(1.0, length));
+    Arm::new(robot.geometry, rods, 0.0, Vector2::zeros(), [0.0; 2])
 }
