@@ -46,6 +46,7 @@ ELSEWHERE = {
     "new": "asks questions on the terminal",
     "replay": "of a controller",
     "teach": "of a controller",
+    "text": "of the shell: its file is a job",
     "pil": "of the emulated board; its figures are those of sim, with instructions",
     "serve": "of a browser",
     "settings": "of a controller",
