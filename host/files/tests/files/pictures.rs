@@ -244,6 +244,15 @@ fn a_ring_is_one_closed_line_and_a_cross_is_two() {
 }
 
 #[test]
+fn noise_has_centre_lines() {
+    let noise = |[x, y]: [f64; 2]| (1e4 * (x * 12.9898 + y * 78.233).sin()).rem_euclid(1.0);
+    let found = drawn(100, 1, &by(Trace::CentreLine), noise);
+    assert!(found.len() > 100);
+    let inside = |at: &f64| (0.0..=100.0).contains(at);
+    assert!(found.iter().flatten().flatten().all(inside));
+}
+
+#[test]
 fn the_share_of_ink_follows_the_tone() {
     // A pen of 1 mm on 100 mm × 100 mm; of the picture, a square of one tone.
     let options = |trace| JobOptions {
@@ -268,6 +277,46 @@ fn the_share_of_ink_follows_the_tone() {
     }
     let one = drawn(100, 1, &options(Trace::OneLine), |[x, y]| 0.005 * (x + y));
     assert_eq!(one.len(), 1, "the pen stays down");
+}
+
+#[test]
+fn copies_stand_side_by_side_and_each_pen_draws_all_of_them() {
+    let options = JobOptions {
+        copies: [3, 2],
+        gap: 5e-3,
+        ..by(Trace::Outline)
+    };
+    let shape = disc([50.0, 50.0], 10.0);
+    let once = drawn(100, 4, &by(Trace::Outline), &shape);
+    let found = drawn(100, 4, &options, &shape);
+    assert_eq!(found.len(), 6);
+    // A pixel is 1 mm: 20 mm and the gap from one to the next, to the right and up.
+    let places = (0..6).map(|index| [25.0 * f64::from(index % 3), -25.0 * f64::from(index / 3)]);
+    let expected: Vec<Points> = places
+        .flat_map(|[x, y]| {
+            once.iter()
+                .map(move |stroke| stroke.iter().map(|p| [p[0] + x, p[1] + y]).collect())
+        })
+        .collect();
+    assert!(hausdorff(&along(&found), &along(&expected)) < 0.5);
+    let two_pens = "IN;SP1;PU0,0;PD400,0;SP2;PU0,400;PD400,400;SP0;";
+    let job = Job::parse_with(two_pens, &AS_WRITTEN, &options).unwrap();
+    assert_eq!(job.stops.len(), 1, "each pen draws all copies");
+    let refused = Job::parse_with("G1 X1 F100", &AS_WRITTEN, &options).unwrap_err();
+    assert!(
+        refused.to_string().starts_with("copies are of drawings"),
+        "{refused}"
+    );
+    let all = JobOptions {
+        copies: [100, 100],
+        hatch: Some(1e-3),
+        ..by(Trace::Stipple)
+    };
+    let refused = read(&png([100, 100], 1, |_| 0.5), &all).unwrap_err();
+    assert!(
+        refused.to_string().starts_with("the copies are too many"),
+        "{refused}"
+    );
 }
 
 #[test]

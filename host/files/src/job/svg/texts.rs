@@ -3,7 +3,7 @@
 
 use crate::lettering::{self, named, truetype_font};
 use std::sync::Arc;
-use usvg::fontdb::{Database, FaceInfo, ID, Source, Stretch, Style, Weight};
+use usvg::fontdb::{Database, FaceInfo, ID, Source, Style, Weight};
 use usvg::{Options, Text};
 
 /// The two fonts. No other file is read.
@@ -24,7 +24,7 @@ impl Fonts {
             post_script_name: "Hershey".into(),
             style: Style::Normal,
             weight: Weight::NORMAL,
-            stretch: Stretch::Normal,
+            stretch: Default::default(),
             monospaced: false,
         });
         let dejavu = Source::Binary(Arc::new(dejavu::sans::regular().to_vec()));

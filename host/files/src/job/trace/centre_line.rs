@@ -14,6 +14,10 @@ use crate::budget::{Budget, OverBudget};
 const TOLERANCE: f64 = 0.3;
 /// A branch that is no longer than the ink is deep at its root, and this [pixels], is none of the drawing.
 const SPUR: usize = 2;
+/// Points that the budget has for each branch.
+const MOST_OF_A_BRANCH: usize = 5;
+/// Such branches are searched at most so often: one that is left has been part of a longer one.
+const SPUR_ROUNDS: usize = 3;
 /// The eight neighbours, clockwise from the right.
 const AROUND: [[i64; 2]; 8] = [
     [1, 0],
@@ -30,11 +34,16 @@ const AROUND: [[i64; 2]; 8] = [
 pub(super) fn strokes(raster: &Raster, level: f32) -> Result<Vec<Stroke>, OverBudget> {
     let mut ink = Ink::new(raster, level);
     ink.thin();
-    while ink.has_lost_spurs() {
+    for _ in 0..SPUR_ROUNDS {
+        if !ink.has_lost_spurs() {
+            break;
+        }
         ink.thin();
     }
     let mut budget = Budget::points();
-    let branches = ink.branches().into_iter().map(|pixels| Branch {
+    let branches = ink.branches();
+    Budget::points().take(MOST_OF_A_BRANCH * branches.len())?;
+    let branches = branches.into_iter().map(|pixels| Branch {
         ends: [pixels.first(), pixels.last()].map(|at| ink.node(at.copied().unwrap_or(0))),
         depths: pixels
             .iter()
@@ -168,7 +177,7 @@ impl Ink {
         let is_node = |at: usize| self.linked(at).count() != 2;
         let mut is_done = vec![false; self.is_ink.len()];
         let mut branches = Vec::new();
-        let pixels = || self.edge.iter().copied().filter(|&at| self.is_ink[at]);
+        let pixels = || (0..self.is_ink.len()).filter(|&at| self.is_ink[at]);
         for node in pixels().filter(|&at| is_node(at)) {
             if self.linked(node).next().is_none() {
                 branches.push(vec![node]);

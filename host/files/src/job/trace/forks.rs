@@ -72,9 +72,9 @@ impl Branch {
 
 /// The lines that the branches make.
 pub(super) fn lines(branches: Vec<Branch>) -> Vec<Stroke> {
-    let clusters = clusters(&branches);
+    let mut clusters = Clusters::of(&branches);
     let branches: Vec<Branch> = branches.into_iter().filter(|it| !it.is_bridge()).collect();
-    let partner = partners(&branches, &clusters);
+    let partner = partners(&branches, &mut clusters);
     let mut is_done = vec![false; branches.len()];
     let mut lines = Vec::new();
     // Lines with an end first, then closed ones. Number 2 n is the first end of branch n, 2 n + 1 its last one.
@@ -104,24 +104,38 @@ pub(super) fn lines(branches: Vec<Branch>) -> Vec<Stroke> {
     lines
 }
 
-/// The node that stands for each fork: forks with a bridge between them are one.
-fn clusters(branches: &[Branch]) -> BTreeMap<usize, usize> {
-    let mut of: BTreeMap<usize, usize> = BTreeMap::new();
-    for bridge in branches.iter().filter(|it| it.is_bridge()) {
-        let [first, last] = bridge
-            .ends
-            .map(|node| *of.get(&node.at).unwrap_or(&node.at));
-        of.insert(bridge.ends[0].at, first);
-        of.insert(bridge.ends[1].at, last);
-        for root in of.values_mut().filter(|root| **root == last) {
-            *root = first;
+/// Forks with a bridge between them are one node: each fork leads to another one, and the last stands for all.
+#[derive(Default)]
+struct Clusters(BTreeMap<usize, usize>);
+
+impl Clusters {
+    fn of(branches: &[Branch]) -> Self {
+        let mut clusters = Self::default();
+        for bridge in branches.iter().filter(|it| it.is_bridge()) {
+            let [first, last] = bridge.ends.map(|node| clusters.node(node.at));
+            if first != last {
+                clusters.0.insert(last, first);
+            }
         }
+        clusters
     }
-    of
+
+    fn node(&mut self, at: usize) -> usize {
+        let mut root = at;
+        while let Some(&next) = self.0.get(&root) {
+            root = next;
+        }
+        // The next search is short.
+        let mut at = at;
+        while at != root {
+            at = self.0.insert(at, root).unwrap_or(root);
+        }
+        root
+    }
 }
 
 /// The end of a branch with which each end goes on.
-fn partners(branches: &[Branch], clusters: &BTreeMap<usize, usize>) -> Vec<Option<usize>> {
+fn partners(branches: &[Branch], clusters: &mut Clusters) -> Vec<Option<usize>> {
     let mut ends: Vec<(usize, usize, [f64; 2])> = Vec::new();
     for (number, branch) in branches
         .iter()
@@ -129,8 +143,7 @@ fn partners(branches: &[Branch], clusters: &BTreeMap<usize, usize>) -> Vec<Optio
         .filter(|(_, it)| it.points.len() > 1)
     {
         for end in [0, 1] {
-            let at = branch.ends[end].at;
-            let node = *clusters.get(&at).unwrap_or(&at);
+            let node = clusters.node(branch.ends[end].at);
             ends.push((node, 2 * number + end, branch.heading(end).1));
         }
     }

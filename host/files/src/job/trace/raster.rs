@@ -3,7 +3,7 @@
 use crate::picture::Greys;
 
 /// The longest side that is traced [pixels]: a pen of 0.3 mm draws 1000 lines in a large drawing.
-const LONGEST: usize = 2000;
+const LONGEST: usize = 1500;
 /// Steps of darkness that the search for a level compares.
 const STEPS: usize = 256;
 
