@@ -38,7 +38,7 @@ impl Branch {
     }
 
     /// The points from an end on.
-    fn from_end(&self, end: usize) -> Stroke {
+    fn points_from(&self, end: usize) -> Stroke {
         match end {
             0 => self.points.clone(),
             _ => self.points.iter().rev().copied().collect(),
@@ -60,7 +60,7 @@ impl Branch {
 
     /// Of an end: the points that are left out, and the direction of the branch there, away from the end.
     fn heading(&self, end: usize) -> (usize, [f64; 2]) {
-        let points = self.from_end(end);
+        let points = self.points_from(end);
         let last = points.len() - 1;
         let skipped = self.hidden(end).min(last / 3);
         let [from, to] = [skipped, (skipped + FAR).min(last)].map(|at| points[at]);
@@ -173,7 +173,7 @@ fn partners(branches: &[Branch], clusters: &mut Clusters) -> Vec<Option<usize>> 
 /// The points of a branch from one end to the other; `goes_on` says at which of them the line does. There, what the ink hides
 /// is left out; at a free end it becomes straight.
 fn straightened(branch: &Branch, from: usize, goes_on: [bool; 2]) -> Stroke {
-    let mut points = branch.from_end(from);
+    let mut points = branch.points_from(from);
     let is_ring = branch.ends[0].at == branch.ends[1].at;
     if points.len() < 2 || is_ring && !branch.ends[0].is_fork {
         return points;
