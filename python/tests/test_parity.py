@@ -46,6 +46,7 @@ ELSEWHERE = {
     "new": "asks questions on the terminal",
     "replay": "of a controller",
     "teach": "of a controller",
+    "text": "of the shell: its file is a job",
     "pil": "of the emulated board; its figures are those of sim, with instructions",
     "ros": "a program of ROS has rclpy",
     "serve": "of a browser",

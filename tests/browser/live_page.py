@@ -24,6 +24,7 @@ import owning
 import reach
 import runs
 import senders
+import sheets
 import stopping
 import watching
 from firefox import Firefox
@@ -54,6 +55,8 @@ def main():
         passed("console")
         runs.check(page)
         passed("layers, strokes by error and speed, replay")
+        sheets.check(page)
+        passed("pictures, copies, the next sheet")
         stopping.check(page, server)
         passed("stops from every control, double clicks, held keys, while the page loads")
         looks.check(page)

@@ -23,6 +23,10 @@ pub(crate) const MOST_NODES: u32 = 500_000;
 const MOST_VALUES: usize = 48_000_000;
 /// Most pixels of a picture: a progressive JPEG takes ten bytes for each.
 const MOST_PIXELS: usize = 80_000_000;
+/// Most pixels of a picture that becomes a job: its text is in memory beside them.
+const MOST_TRACED: usize = 40_000_000;
+/// Most dots of a picture, and most runs of its lines.
+const MOST_DOTS: usize = 200_000;
 
 /// What remains of a limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -90,6 +94,24 @@ impl Budget {
     pub(crate) fn pixels() -> Self {
         let remedy = "scan with fewer dots per inch, or take the camera's usual size";
         Self::new(MOST_PIXELS, "pixels", remedy)
+    }
+
+    /// The pixels of a picture that becomes a job.
+    pub(crate) fn traced_pixels() -> Self {
+        let remedy = "save it smaller: a pen draws no more than a few million";
+        Self::new(MOST_TRACED, "pixels", remedy)
+    }
+
+    /// The dots of a picture, and the runs of its lines.
+    pub(crate) fn dots() -> Self {
+        let remedy = "choose a greater --hatch, or a smaller --scale";
+        Self::new(MOST_DOTS, "dots or lines", remedy)
+    }
+
+    /// The cells, each as wide as a pen, that a picture is divided into.
+    pub(crate) fn cells() -> Self {
+        let remedy = "choose a greater --hatch, or a smaller --scale";
+        Self::new(MOST_TRACED, "cells as wide as the pen", remedy)
     }
 
     /// Takes a number of them, before the memory for them is taken.

@@ -4,6 +4,7 @@ pub mod accuracy_classes;
 mod budget;
 pub mod design_spec;
 pub mod job;
+pub mod lettering;
 pub mod linkage;
 pub mod measurements;
 pub mod mobility;

@@ -1,6 +1,4 @@
-//! Pictures of drawings: PNG and JPEG, as shades of grey.
-//!
-//! The grey of a pixel is the least of its red, green and blue, so that ink of any colour is dark on white paper.
+//! Pictures, PNG and JPEG, as shades of grey: photographs of drawings, and pictures that become jobs.
 
 use super::source::FileError;
 use super::text_file::read_bytes;
@@ -17,9 +15,45 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 const LARGEST: u64 = 128 << 20;
 /// Most scans of a progressive JPEG: cameras write ten.
 const MOST_SCANS: usize = 20;
-/// Longest side, and least shorter side [pixels]: four marks and a drawing need more.
+/// Longest side [pixels].
 const LONGEST: usize = 40_000;
-const SHORTEST: usize = 300;
+
+const INCOMPLETE: &str = "the picture is not complete";
+
+/// The greys of a picture, row by row from the top.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Greys {
+    /// Columns and rows.
+    pub(crate) size: [usize; 2],
+    pub(crate) grey: Vec<u8>,
+}
+
+/// What a picture is read for.
+#[derive(Clone, Copy)]
+struct Purpose {
+    /// Least shorter side [pixels].
+    shortest: usize,
+    pixels: fn() -> Budget,
+    /// The grey of red, green and blue.
+    grey: fn([u8; 3]) -> u8,
+}
+
+/// A photograph of a drawing: four marks and a drawing need some pixels, and ink of any colour is dark on white paper.
+const PHOTOGRAPH: Purpose = Purpose {
+    shortest: 300,
+    pixels: Budget::pixels,
+    grey: |[red, green, blue]| red.min(green).min(blue),
+};
+
+/// A picture to be drawn: as bright as the eye sees it (the luma of ITU-R BT.601).
+const JOB: Purpose = Purpose {
+    shortest: 1,
+    pixels: Budget::traced_pixels,
+    grey: |[red, green, blue]| {
+        let [red, green, blue] = [red, green, blue].map(u32::from);
+        ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u8
+    },
+};
 
 /// Reads a picture, PNG or JPEG by its first bytes.
 ///
@@ -37,29 +71,49 @@ pub fn read_picture(path: &Path) -> Result<Picture, FileError> {
 /// # Errors
 /// As [`read_picture`].
 pub fn parse_picture(file: &str, bytes: &[u8]) -> Result<Picture, FileError> {
-    let decoded = match *bytes {
-        [0x89, b'P', b'N', b'G', ..] => png(bytes),
-        [0xff, 0xd8, 0xff, ..] => jpeg(bytes),
-        _ => Err(other_format(bytes)),
-    };
-    decoded.map_err(|reason| FileError::new(file, reason))
+    let picture = decoded(bytes, PHOTOGRAPH).and_then(|Greys { size, grey }| {
+        Picture::new(size[0], size[1], grey).ok_or_else(|| INCOMPLETE.into())
+    });
+    picture.map_err(|reason| FileError::new(file, reason))
 }
 
-fn png(bytes: &[u8]) -> Result<Picture, String> {
+/// The greys of a picture that is to be drawn; or else why it has none.
+pub(crate) fn greys_to_draw(bytes: &[u8]) -> Result<Greys, String> {
+    decoded(bytes, JOB)
+}
+
+/// The media type of the pictures that are read, by their first bytes.
+pub(crate) fn media_type(bytes: &[u8]) -> Option<&'static str> {
+    match *bytes {
+        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
+        [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
+        _ => None,
+    }
+}
+
+fn decoded(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
+    match media_type(bytes) {
+        Some("image/png") => png(bytes, purpose),
+        Some(_) => jpeg(bytes, purpose),
+        None => Err(other_format(bytes)),
+    }
+}
+
+fn png(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
     let broken = |error: png::DecodingError| format!("the PNG is broken: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info();
-    let size = sized(info.width as usize, info.height as usize)?;
+    let size = sized(info.width as usize, info.height as usize, purpose)?;
     let length = reader.output_buffer_size().ok_or("the PNG is too large")?;
     let mut samples = vec![0; length];
     let frame = reader.next_frame(&mut samples).map_err(broken)?;
     samples.truncate(frame.buffer_size());
-    picture(size, &samples, frame.color_type.samples())
+    greys(size, &samples, frame.color_type.samples(), purpose)
 }
 
-fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
+fn jpeg(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
         .set_max_width(LONGEST)
@@ -71,19 +125,20 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
         .decode_headers()
         .map_err(|error| broken(format!("{error:?}")))?;
     let (width, height) = decoder.dimensions().ok_or("the JPEG has no size")?;
-    let size = sized(width, height)?;
+    let size = sized(width, height, purpose)?;
     let samples = decoder
         .decode()
         .map_err(|error| broken(format!("{error:?}")))?;
-    picture(size, &samples, 3)
+    greys(size, &samples, 3, purpose)
 }
 
-/// The size, if it can be a photograph's.
-fn sized(width: usize, height: usize) -> Result<[usize; 2], String> {
+/// The size, if it is one for the purpose.
+fn sized(width: usize, height: usize, purpose: Purpose) -> Result<[usize; 2], String> {
     let size = format!("the picture has {width} × {height} pixels");
-    if width.min(height) < SHORTEST {
+    let shortest = purpose.shortest;
+    if width.min(height) < shortest {
         return Err(format!(
-            "{size}, and {SHORTEST} are needed along each side: take the camera's full size"
+            "{size}, and {shortest} are needed along each side: take the camera's full size"
         ));
     }
     if width.max(height) > LONGEST {
@@ -91,19 +146,20 @@ fn sized(width: usize, height: usize) -> Result<[usize; 2], String> {
             "{size}: at most {LONGEST} along a side; scan with fewer dots per inch"
         ));
     }
-    let mut pixels = Budget::pixels();
+    let mut pixels = (purpose.pixels)();
     pixels
         .take(width * height)
         .map_err(|over| format!("{size}: {over}"))?;
     Ok([width, height])
 }
 
-/// The picture of samples: grey, grey and opacity, colours, or colours and opacity.
-fn picture(
-    [width, height]: [usize; 2],
+/// The greys of samples: grey, grey and opacity, colours, or colours and opacity.
+fn greys(
+    size: [usize; 2],
     samples: &[u8],
     channels: usize,
-) -> Result<Picture, String> {
+    purpose: Purpose,
+) -> Result<Greys, String> {
     let grey = samples.chunks_exact(channels).map(|pixel| {
         let (colours, opacity) = match *pixel {
             [grey, opacity] => ([grey; 3], opacity),
@@ -111,10 +167,14 @@ fn picture(
             [red, green, blue] => ([red, green, blue], 255),
             _ => ([pixel[0]; 3], 255),
         };
-        let dark = u16::from(255 - colours.into_iter().min().unwrap_or(255));
+        let dark = u16::from(255 - (purpose.grey)(colours));
         255 - (dark * u16::from(opacity) / 255) as u8
     });
-    Picture::new(width, height, grey.collect()).ok_or_else(|| "the picture is not complete".into())
+    let grey: Vec<u8> = grey.collect();
+    match grey.len() == size[0] * size[1] && !grey.is_empty() {
+        true => Ok(Greys { size, grey }),
+        false => Err(INCOMPLETE.into()),
+    }
 }
 
 /// What a file is that is no PNG or JPEG, and what to do.
@@ -146,13 +206,18 @@ fn other_format(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{other_format, picture, sized};
+    use super::{Greys, JOB, PHOTOGRAPH, greys, other_format, sized};
 
     #[test]
     fn ink_of_any_colour_is_dark_and_what_is_not_there_is_paper() {
         let size = [2, 1];
-        let grey = |samples: &[u8], channels| picture(size, samples, channels);
-        let expected = |grey: [u8; 2]| super::Picture::new(2, 1, grey.to_vec());
+        let grey = |samples: &[u8], channels| greys(size, samples, channels, PHOTOGRAPH);
+        let expected = |grey: [u8; 2]| {
+            Some(Greys {
+                size,
+                grey: grey.to_vec(),
+            })
+        };
         assert_eq!(
             grey(&[255, 0, 0, 250, 255, 240], 3).ok(),
             expected([0, 240])
@@ -164,6 +229,9 @@ mod tests {
         assert_eq!(grey(&[9, 200], 1).ok(), expected([9, 200]));
         assert_eq!(grey(&[10, 255, 10, 0], 2).ok(), expected([10, 255]));
         assert!(grey(&[9], 1).is_err());
+        // To be drawn, red is darker than yellow and brighter than blue.
+        let seen = greys([3, 1], &[255, 0, 0, 255, 255, 0, 0, 0, 255], 3, JOB);
+        assert_eq!(seen.map(|it| it.grey), Ok(vec![76, 226, 29]));
     }
 
     #[test]
@@ -179,8 +247,16 @@ mod tests {
             let told = other_format(start);
             assert!(told.contains(wanted) && told.contains("JPEG"), "{told}");
         }
-        assert!(sized(4000, 3000).is_ok());
-        assert!(sized(4000, 200).unwrap_err().contains("full size"));
-        assert!(sized(50_000, 3000).unwrap_err().contains("dots per inch"));
+        assert!(sized(4000, 3000, PHOTOGRAPH).is_ok() && sized(4, 2, JOB).is_ok());
+        assert!(
+            sized(4000, 200, PHOTOGRAPH)
+                .unwrap_err()
+                .contains("full size")
+        );
+        assert!(
+            sized(50_000, 3000, PHOTOGRAPH)
+                .unwrap_err()
+                .contains("dots per inch")
+        );
     }
 }

@@ -3,6 +3,7 @@
 use super::motion::MIN_LENGTH;
 use super::order::Order;
 use super::{Action, Job, JobError, JobOptions, Placement, Step, Stop, Warning, WarningKind};
+use crate::budget::{Budget, OverBudget};
 
 /// Most pens: plotters have fewer.
 const MOST_PENS: usize = 255;
@@ -39,6 +40,7 @@ pub(super) fn job(
             "the drawing is {length:.0} m long, out of reach of any arm: check its units"
         )));
     }
+    copy(&mut pens, options)?;
     if pens.len() > MOST_PENS {
         let what = "the drawing has more layers than pens: all are drawn with one";
         job.warnings
@@ -91,17 +93,51 @@ pub(super) fn job(
 
 /// The longer side of the box around all strokes [m].
 fn longest_side(pens: &[Pen]) -> f64 {
+    let [width, height] = sides(pens);
+    width.max(height)
+}
+
+/// Width and height of the box around all strokes [m].
+fn sides(pens: &[Pen]) -> [f64; 2] {
     let points = || pens.iter().flat_map(|pen| &pen.strokes).flatten();
-    let side = |axis: usize| {
+    [0, 1].map(|axis| {
         let low = points()
             .map(|point| point[axis])
             .fold(f64::INFINITY, f64::min);
         let high = points()
             .map(|point| point[axis])
             .fold(f64::NEG_INFINITY, f64::max);
-        high - low
-    };
-    side(0).max(side(1)).max(0.0)
+        (high - low).max(0.0)
+    })
+}
+
+/// Each pen draws all copies before the next one: to the right of the drawing, and above it.
+fn copy(pens: &mut [Pen], options: &JobOptions) -> Result<(), JobError> {
+    let [columns, rows] = options.copies;
+    if [columns, rows] == [1, 1] {
+        return Ok(());
+    }
+    let points: usize = pens.iter().flat_map(|pen| &pen.strokes).map(Vec::len).sum();
+    let copied = points as f64 * f64::from(columns) * f64::from(rows);
+    let too_many = |over: OverBudget| JobError::Drawing(format!("the copies are too many: {over}"));
+    Budget::points().take_calculated(copied).map_err(too_many)?;
+    let [right, up] = sides(pens).map(|side| side + options.gap);
+    for pen in pens {
+        let first = std::mem::take(&mut pen.strokes);
+        for row in 0..rows {
+            for column in 0..columns {
+                let [x, y] = [right * f64::from(column), up * f64::from(row)];
+                let moved = |stroke: &Stroke| {
+                    stroke
+                        .iter()
+                        .map(|point| [point[0] + x, point[1] + y])
+                        .collect()
+                };
+                pen.strokes.extend(first.iter().map(moved));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn checked(coordinate: f64) -> Result<f64, JobError> {

@@ -25,14 +25,19 @@ pub enum JobError {
         "the job has no motion: no line moves the tool; check that it is a G-code file with G0 to G3"
     )]
     NoMotion,
-    /// A drawing in SVG or HPGL that cannot be drawn.
+    /// A drawing or a picture that cannot be drawn.
     #[error("{0}")]
     Drawing(String),
+    /// Copies of G-code.
+    #[error(
+        "copies are of drawings: the lines of copied G-code would no longer be those of its file; draw it once more elsewhere"
+    )]
+    Copies,
     /// The job was read in a process of its own, which has refused it or has needed more than it may.
     #[error("{0}")]
     Refused(String),
     /// The file has another format.
-    #[error("this is {name}, and no G-code, SVG, DXF or HPGL: {remedy}")]
+    #[error("this is {name}, and no G-code, SVG, DXF, HPGL, PNG or JPEG: {remedy}")]
     Format {
         /// The format.
         name: &'static str,

@@ -3,6 +3,8 @@
 //! The live page sends text, in which a byte that is no UTF-8 is U+FFFD, so the marks of binary
 //! formats are compared in that form.
 
+use super::trace::data_uri::is_picture;
+
 /// What reads a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
@@ -10,6 +12,7 @@ pub(super) enum Format {
     Svg,
     Hpgl,
     Dxf,
+    Picture,
     /// It is no job.
     Foreign {
         name: &'static str,
@@ -18,8 +21,8 @@ pub(super) enum Format {
     },
 }
 
-const TRACE: &str =
-    "trace it to paths, such as by Path > Trace Bitmap in Inkscape, and save an SVG";
+const TRACE: &str = "save it as a PNG or a JPEG, which are drawn";
+const AS_TEXT: &str = "it was damaged on its way as text: give the file itself";
 const VECTORS: &str = "open it in Inkscape and save it as a plain SVG";
 const SLICE: &str = "a slicer makes G-code of a solid; a drawing of it is an SVG";
 const PROJECT: &str = "open it in the program that wrote it, and export G-code or an SVG";
@@ -28,11 +31,11 @@ const DRAWING: &str = "save it as an SVG, such as by Inkscape, LibreCAD or QCAD"
 
 /// Formats by their first characters.
 const MARKS: [(&str, &str, &str); 24] = [
-    ("\u{FFFD}PNG", "a PNG picture", TRACE),
+    ("\u{FFFD}PNG", "a PNG picture", AS_TEXT),
     (
         "\u{FFFD}\u{FFFD}\u{FFFD}\u{FFFD}\0",
         "a JPEG picture",
-        TRACE,
+        AS_TEXT,
     ),
     ("GIF8", "a GIF picture", TRACE),
     ("BM", "a BMP picture", TRACE),
@@ -82,6 +85,9 @@ pub(super) fn of(text: &str) -> Format {
             "an empty file",
             "save the job again; its program may have stopped early",
         );
+    }
+    if is_picture(text) {
+        return Format::Picture;
     }
     // The root of XML comes after its declaration, comments and a document type.
     let root = root(start);

@@ -24,6 +24,7 @@ mod stream;
 mod svg;
 mod text;
 mod tool;
+mod trace;
 mod words;
 
 pub use error::{GcodeError, JobError, Warning, WarningKind};
@@ -33,6 +34,7 @@ pub use stop::{Pause, Stop};
 pub use stream::JobStream;
 pub use text::read;
 pub use tool::ToolWords;
+pub use trace::Trace;
 
 use format::Format;
 
@@ -45,10 +47,10 @@ pub const DEMONSTRATION: &str = include_str!("../../jobs/fivebar.gcode");
 /// A short built-in drawing, in G-code.
 pub const PETAL: &str = include_str!("../../jobs/petal.gcode");
 
-/// The endings of files that are read as jobs: G-code, then drawings and plots.
-pub const ENDINGS: [&str; 14] = [
+/// The endings of files that are read as jobs: G-code, then drawings, plots and pictures.
+pub const ENDINGS: [&str; 17] = [
     "gcode", "nc", "ngc", "gc", "tap", "cnc", "txt", "svg", "svgz", "dxf", "hpgl", "hgl", "hpg",
-    "plt",
+    "plt", "png", "jpg", "jpeg",
 ];
 
 /// Most different notes on a job.
@@ -107,7 +109,7 @@ pub struct Job {
     pub stops: Vec<Stop>,
     /// What is skipped, and what was guessed.
     pub warnings: Vec<Warning>,
-    /// Whether the job is an SVG, HPGL or DXF. Its steps then count strokes in place of lines: stroke n has the
+    /// Whether the job is an SVG, HPGL, DXF or a picture. Its steps then count strokes in place of lines: stroke n has the
     /// number 2n, the motion to it 2n − 1.
     pub is_drawing: bool,
     /// Whether a point depends on where home is, so that the job has another shape elsewhere.
@@ -232,7 +234,7 @@ impl Action {
 }
 
 impl Job {
-    /// Reads G-code, SVG, HPGL or DXF as [`JobOptions::default`] has it.
+    /// Reads G-code, SVG, HPGL, DXF or a picture as [`JobOptions::default`] has it.
     ///
     /// # Errors
     /// The first line that is not valid, or a job without motion.
@@ -240,7 +242,7 @@ impl Job {
         Self::parse_with(text, placement, &JobOptions::default())
     }
 
-    /// Reads G-code, SVG, HPGL or DXF, by the first characters of the text.
+    /// Reads G-code, SVG, HPGL, DXF or a picture, by the first characters of the text.
     ///
     /// # Errors
     /// As [`Job::parse`].
@@ -250,11 +252,16 @@ impl Job {
         options: &JobOptions,
     ) -> Result<Self, JobError> {
         let (text, was_utf16) = text::without_mark(text);
-        let mut job = match format::of(text) {
+        let format = format::of(text);
+        if format == Format::Gcode && options.copies != [1, 1] {
+            return Err(JobError::Copies);
+        }
+        let mut job = match format {
             Format::Gcode => interpreter::interpret(text, placement, options)?,
             Format::Svg => svg_job(text, placement, options)?,
             Format::Dxf => dxf::interpret(text, placement, options)?,
             Format::Hpgl => hpgl::interpret(text, placement, options)?,
+            Format::Picture => trace::interpret(text, placement, options)?,
             Format::Foreign { name, remedy } => return Err(JobError::Format { name, remedy }),
         };
         if was_utf16 {
@@ -387,7 +394,7 @@ impl Job {
 pub(crate) fn is_drawing(text: &str) -> bool {
     matches!(
         format::of(text::without_mark(text).0),
-        Format::Svg | Format::Hpgl | Format::Dxf
+        Format::Svg | Format::Hpgl | Format::Dxf | Format::Picture
     )
 }
 

@@ -1,6 +1,6 @@
 //! What a job's text leaves open.
 
-use super::ToolWords;
+use super::{ToolWords, Trace};
 use serde::{Deserialize, Serialize};
 
 /// The unit of G4 P, on which programs do not agree.
@@ -45,8 +45,30 @@ pub struct JobOptions {
     pub speed: Option<f64>,
     /// Speed of G1, G2 and G3 before any F [m/s]; none: such a line is refused.
     pub speed_without_feed: Option<f64>,
-    /// Distance of the lines that fill the areas of an SVG [m]; none: areas have outlines only.
+    /// Distance of the lines that fill the areas of an SVG, and that make a picture black [m]; none: areas have outlines only,
+    /// and a picture is black with lines 0.5 mm apart.
     pub hatch: Option<f64>,
+    /// How a picture becomes strokes; none: by its outlines, which is noted.
+    pub trace: Option<Trace>,
+    /// The darkness of a picture that becomes ink, or half as much ink as black, above 0 and below 1; none: for outlines and
+    /// lines the one that divides the picture best, for tones 0.5.
+    pub level: Option<f64>,
+    /// How often a drawing is drawn, in columns and rows.
+    pub copies: [u32; 2],
+    /// The distance between the boxes around two copies [m].
+    pub gap: f64,
+}
+
+impl JobOptions {
+    /// Whether a number is a level of darkness.
+    pub fn is_level(level: f64) -> bool {
+        level > 0.0 && level < 1.0
+    }
+
+    /// Whether these are columns and rows of copies: 1 to 100 each.
+    pub fn are_copies(copies: [u32; 2]) -> bool {
+        copies.iter().all(|it| (1..=100).contains(it))
+    }
 }
 
 impl Default for JobOptions {
@@ -61,6 +83,10 @@ impl Default for JobOptions {
             speed: None,
             speed_without_feed: None,
             hatch: None,
+            trace: None,
+            level: None,
+            copies: [1, 1],
+            gap: 5e-3,
         }
     }
 }

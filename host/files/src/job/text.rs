@@ -1,5 +1,6 @@
 //! The bytes of a job's file as text.
 
+use super::trace::data_uri;
 use crate::text_file;
 use flate2::read::GzDecoder;
 use std::io;
@@ -10,15 +11,18 @@ const GZIP: [u8; 2] = [0x1F, 0x8B];
 /// The byte order mark.
 const MARK: char = '\u{FEFF}';
 
-/// Reads the text of a job's file, or of the standard input if the path is `-`. G-code is ASCII, but comments have any encoding: bytes that are
-/// not UTF-8 become U+FFFD, which is refused outside comments. A byte order mark is kept. UTF-16
-/// A file that gzip has compressed is decompressed. UTF-16
-/// with a mark is read as such and then has two marks, by which [`super::Job::parse`] notes it.
+/// Reads the text of a job's file, or of the standard input if the path is `-`. G-code is ASCII, but comments have any encoding:
+/// bytes that are not UTF-8 become U+FFFD, which is refused outside comments. A PNG or a JPEG becomes a data URI, and a file that
+/// gzip has compressed is decompressed. A byte order mark is kept. UTF-16 with a mark is read as such and then has two marks, by
+/// which [`super::Job::parse`] notes it.
 ///
 /// # Errors
 /// The file cannot be read, or is larger than 64 MiB.
 pub fn read(path: &Path) -> io::Result<String> {
     let bytes = text_file::read_bytes(path, text_file::LARGEST_GCODE)?;
+    if let Some(picture) = data_uri::as_text(&bytes) {
+        return Ok(picture);
+    }
     if !bytes.starts_with(&GZIP) {
         return Ok(decoded(&bytes));
     }

@@ -170,6 +170,7 @@ impl Scenario {
             levels: self.robot.tool_levels(),
             speed_without_feed: Some(self.robot.motion.max_speed),
             hatch: self.options.hatch.map(|distance| distance / self.scale),
+            gap: self.options.gap / self.scale,
             ..self.options
         };
         let job = (self.reader.0)(&self.job_text, placement, &options);

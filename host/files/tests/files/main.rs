@@ -18,6 +18,7 @@ mod hpgl_plots;
 mod linkage_files;
 mod oversized;
 mod parking;
+mod pictures;
 mod placed;
 mod refused_keys;
 mod robot_faults;

@@ -157,11 +157,12 @@ fn what_is_hidden_is_left_out_and_what_differs_is_noted() {
     let job = read(&page(&noted)).unwrap();
     let notes: Vec<String> = job.warnings.iter().map(ToString::to_string).collect();
     let notes = notes.join("; ");
-    for words in ["dashed", "DejaVu", "images"] {
+    for words in ["dashed", "Hershey", "images"] {
         assert!(notes.contains(words), "{notes}");
     }
-    // The letter I is an outline of four lines and more.
-    assert!(strokes(&job).iter().any(|stroke| stroke.len() >= 5));
+    // The letter I is one upright line.
+    let upright = |stroke: &Vec<[f64; 2]>| stroke.len() == 2 && stroke[0][0] == stroke[1][0];
+    assert!(strokes(&job).iter().any(upright), "{:?}", strokes(&job));
 }
 
 #[test]
@@ -227,21 +228,71 @@ fn shapes_that_no_one_sees_are_not_drawn() {
 }
 
 #[test]
-fn characters_that_the_font_lacks_are_noted() {
-    let notes = |text: &str| {
-        let text = format!("<text x=\"5\" y=\"30\" font-size=\"9\">{text}</text>");
-        let job = read(&page(&text)).unwrap();
+fn a_text_is_drawn_in_single_strokes_of_its_height_where_it_stands() {
+    let text = |content: &str| of(&format!("<text x=\"10\" y=\"40\" {content}</text>"));
+    // H has two posts and a bar, seven tenths of the size high; x and y are of the left end of the base line.
+    let found = text("font-size=\"20\">H");
+    assert_eq!(found.len(), 3);
+    let heights = |strokes: &[Vec<[f64; 2]>]| {
+        let all = strokes.iter().flatten().map(|point| point[1]);
+        [
+            all.clone().fold(f64::INFINITY, f64::min),
+            all.fold(0.0, f64::max),
+        ]
+    };
+    let [low, high] = heights(&found);
+    assert!(
+        (low - 10.0).abs() < 1e-3 && (high - 24.0).abs() < 1e-3,
+        "{low} {high}"
+    );
+    // A line of marks that is straight, and one letter after the other.
+    assert_eq!(text("font-size=\"20\">-").len(), 1);
+    assert_eq!(text("font-size=\"20\">HH").len(), 6);
+    let ends = text("font-size=\"20\" text-anchor=\"end\">HH");
+    assert!(
+        ends.iter().flatten().all(|point| point[0] < 10.0),
+        "{ends:?}"
+    );
+    // What the outlines of letters fill is no area here.
+    let options = JobOptions {
+        tolerance: TOLERANCE,
+        hatch: Some(1e-3),
+        ..JobOptions::default()
+    };
+    let hatched = Job::parse_with(
+        &page("<text x=\"1\" y=\"40\" font-size=\"20\">O</text>"),
+        &AS_WRITTEN,
+        &options,
+    );
+    assert_eq!(strokes(&hatched.unwrap()).len(), 1);
+}
+
+#[test]
+fn characters_that_a_font_lacks_are_named() {
+    let text = |text: &str| {
+        page(&format!(
+            "<text x=\"5\" y=\"30\" font-size=\"9\">{text}</text>"
+        ))
+    };
+    let notes = |content: &str| {
+        let job = read(&text(content)).unwrap();
         job.warnings
             .iter()
             .map(ToString::to_string)
             .collect::<Vec<_>>()
+            .join("; ")
     };
-    assert_eq!(notes("Ağ").len(), 1);
-    assert!(
-        notes("日本")
-            .iter()
-            .any(|note| note.contains("DejaVu Sans lacks"))
+    assert_eq!(
+        notes("Äø"),
+        "texts are drawn in single strokes of the Hershey font"
     );
+    assert_eq!(
+        notes("Aж"),
+        "a text is drawn as outlines of DejaVu Sans, because the Hershey font lacks ж (U+0436)"
+    );
+    assert!(notes("A日").contains("no font here has them: 日 (U+65E5)"));
+    let refused = read(&text("日本")).unwrap_err().to_string();
+    assert!(refused.contains("日 (U+65E5), 本 (U+672C)"), "{refused}");
 }
 
 #[test]

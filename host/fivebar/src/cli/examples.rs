@@ -228,6 +228,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "text",
+        &[
+            "fivebar text Hello --out hello.svg",
+            "fivebar text 'Two lines' 'in the middle' --size 8mm --align middle --out two.gcode",
+        ],
+    ),
+    (
         "workspace",
         &[
             "fivebar workspace",

@@ -50,6 +50,7 @@ mod serve;
 mod settings;
 mod sim;
 mod teach;
+mod text;
 mod value_error;
 mod workspace;
 
@@ -105,6 +106,7 @@ enum Command {
     Settings(settings::Args),
     Sim(sim::Args),
     Teach(teach::Args),
+    Text(text::Args),
     Workspace(workspace::Args),
 }
 
@@ -157,6 +159,7 @@ pub fn main() -> ExitCode {
             Command::Settings(args) => settings::run(&args),
             Command::Sim(args) => sim::run(&args),
             Command::Teach(args) => teach::run(&args),
+            Command::Text(args) => text::run(&args),
             Command::Workspace(args) => workspace::run(&args),
         },
     };

@@ -6,7 +6,7 @@ use super::output::OutputArgs;
 use super::plan::share;
 use super::say::warn;
 use super::value_error::ValueError;
-use fivebar_files::job::{Dialect, JobOptions};
+use fivebar_files::job::{Dialect, JobOptions, Trace};
 use fivebar_files::robot::{BuiltIn, Robot};
 use fivebar_files::scenario::{Kept, Scenario};
 use fivebar_sim::simulation::Simulate;
@@ -15,7 +15,7 @@ use std::path::Path;
 /// The job and the robot.
 #[derive(clap::Args)]
 pub(super) struct JobArgs {
-    /// A scenario in TOML, a job in G-code, or a drawing in SVG; `-` for a job on the standard
+    /// A scenario in TOML, a job in G-code, a drawing, or a picture; `-` for a job on the standard
     /// input. Without it `sim`, `pil` and `hil` do the demonstration.
     #[arg(value_name = "SCENARIO.toml|JOB.gcode|DRAWING.svg")]
     file: Option<String>,
@@ -51,6 +51,8 @@ pub(super) struct JobArgs {
     torque_share: f64,
     #[command(flatten)]
     reading: ReadingArgs,
+    #[command(flatten)]
+    drawing: DrawingArgs,
 }
 
 /// How a job is read where its text leaves it open.
@@ -72,9 +74,39 @@ pub(super) struct ReadingArgs {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     speed: Option<f64>,
     /// Fill the areas of an SVG with lines at 45° this far apart, such as 0.8mm; white ones stay empty. By default areas
-    /// have outlines only.
+    /// have outlines only. Of a picture, the width of the pen, by default 0.5 mm.
     #[arg(long, value_name = "LENGTH", value_parser = hatch, allow_hyphen_values = true)]
     hatch: Option<f64>,
+}
+
+/// How drawings and pictures become strokes.
+#[derive(clap::Args)]
+struct DrawingArgs {
+    /// How a PNG or a JPEG becomes strokes, by default outline. Its longer side is 100 mm at --scale 1.
+    #[arg(long, value_name = "outline|centre-line|tone|stipple|one-line", value_parser = trace)]
+    trace: Option<Trace>,
+    /// The darkness of a picture that becomes ink, 0 to 1; with tone, stipple and one-line half as much ink as black. By
+    /// default what divides the picture best, or 0.5.
+    #[arg(long, value_name = "SHARE", value_parser = level)]
+    level: Option<f64>,
+    /// Draw an SVG, DXF, HPGL or picture several times, in columns and rows.
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = copies)]
+    copies: Option<[u32; 2]>,
+    /// Distance between copies, by default 5 mm.
+    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "copies")]
+    gap: Option<f64>,
+}
+
+impl DrawingArgs {
+    fn added_to(&self, options: JobOptions) -> JobOptions {
+        JobOptions {
+            trace: self.trace,
+            level: self.level,
+            copies: self.copies.unwrap_or(options.copies),
+            gap: self.gap.unwrap_or(options.gap),
+            ..options
+        }
+    }
 }
 
 impl ReadingArgs {
@@ -93,6 +125,25 @@ impl ReadingArgs {
 fn hatch(text: &str) -> Result<f64, ValueError> {
     let distance = length(text).ok().filter(|it| (1e-4..=0.05).contains(it));
     distance.ok_or(ValueError::Hatch)
+}
+
+fn trace(text: &str) -> Result<Trace, ValueError> {
+    let named = Trace::ALL.into_iter().find(|it| it.name() == text);
+    named.ok_or(ValueError::Trace)
+}
+
+fn level(text: &str) -> Result<f64, ValueError> {
+    let level = text.parse().ok().filter(|it| JobOptions::is_level(*it));
+    level.ok_or(ValueError::Level)
+}
+
+fn copies(text: &str) -> Result<[u32; 2], ValueError> {
+    let parse = || {
+        let (columns, rows) = text.split_once(['x', '×'])?;
+        let copies = [columns.trim().parse().ok()?, rows.trim().parse().ok()?];
+        JobOptions::are_copies(copies).then_some(copies)
+    };
+    parse().ok_or(ValueError::Copies)
 }
 
 fn dialect(text: &str) -> Result<Dialect, ValueError> {
@@ -154,7 +205,7 @@ impl JobArgs {
         }
         scenario.origin = self.origin.or(scenario.origin);
         scenario.turn = self.rotate.unwrap_or(scenario.turn);
-        scenario.options = self.reading.options();
+        scenario.options = self.drawing.added_to(self.reading.options());
         scenario.from_line = self.from_line;
         scenario.time_optimal = self.time_optimal.then_some(self.torque_share);
         match self.scale {

@@ -5,6 +5,8 @@
 pub(super) enum ValueError {
     #[error("give a numeric address and a port, such as 127.0.0.1:9000")]
     Address,
+    #[error("give columns and rows from 1 to 100, such as 3x2")]
+    Copies,
     #[error("give an angle in degrees, such as 90")]
     Degrees,
     #[error("give grbl or reprap")]
@@ -19,6 +21,8 @@ pub(super) enum ValueError {
     Length,
     #[error("give the distortion k of the lens, from -0.12 to 0.2; 0 for a scanner")]
     Lens,
+    #[error("give a share above 0 and below 1, such as 0.4")]
+    Level,
     #[error("give a number of millimetres")]
     Millimetres,
     #[error("give {0} finite numbers, separated by commas")]
@@ -47,4 +51,6 @@ pub(super) enum ValueError {
     Window,
     #[error("give left or right for each elbow, such as right,left")]
     WorkingMode,
+    #[error("give outline, centre-line, tone, stipple or one-line")]
+    Trace,
 }

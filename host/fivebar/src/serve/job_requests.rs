@@ -9,6 +9,7 @@ use super::requests::{JOINT_SPEED, Refused};
 use super::wire::lease::Page;
 use super::wire::lease::PageId;
 use super::wire::message::Reading;
+use fivebar_files::job::JobOptions;
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_sim::path_queue::way_back;
 use std::sync::Arc;
@@ -61,6 +62,15 @@ impl ControllerThread {
         }
         if !is_in(reading.pen_height, -1.0, 1.0) {
             return Err("The pen's height must be -1000 to 1000 mm.".into());
+        }
+        if !reading.level.is_none_or(JobOptions::is_level) {
+            return Err("The level must be above 0 and below 1.".into());
+        }
+        if !reading.copies.is_none_or(JobOptions::are_copies) {
+            return Err("The columns and rows of copies must be 1 to 100.".into());
+        }
+        if !is_in(reading.gap, 0.0, 1.0) {
+            return Err("The distance between copies must be 0 to 1000 mm.".into());
         }
         if self.loaded.is_none() {
             self.jobs.reading = reading;

@@ -397,12 +397,21 @@ impl Workshop {
             hatch,
             speed,
             pen_height,
+            trace,
+            level,
+            copies,
+            gap,
         } = self.reading;
+        let default = JobOptions::default();
         let options = JobOptions {
             hatch,
             speed,
             pen_height,
-            ..JobOptions::default()
+            trace,
+            level,
+            copies: copies.unwrap_or(default.copies),
+            gap: gap.unwrap_or(default.gap),
+            ..default
         };
         Scenario {
             options,

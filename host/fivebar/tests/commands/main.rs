@@ -41,6 +41,7 @@ mod repeat;
 mod shell_help;
 mod sim;
 mod sim_motors;
+mod text;
 mod verdict;
 mod workspace;
 mod worn_joints_document;

@@ -243,6 +243,8 @@ fn a_file_is_read_again_with_hatch_and_speed_where_it_lies() {
             json!({ "hatch": null, "speed": 0.0, "pen_height": null }),
             "speed",
         ),
+        (json!({ "level": 1.0 }), "level"),
+        (json!({ "copies": [0, 2] }), "copies"),
         (
             json!({ "hatch": null, "speed": null, "pen_height": 2.0 }),
             "height",

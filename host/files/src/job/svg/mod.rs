@@ -11,15 +11,18 @@ mod markup;
 mod outlines;
 mod pens;
 mod size;
+mod texts;
 
 use super::drawing::{self, Stroke};
 use super::{Job, JobError, JobOptions, Placement, Step, Warning, WarningKind};
 use crate::budget::{MOST_NODES, OverBudget};
+use crate::lettering::drawn_once;
 use flatten::Flattener;
 use hatch::Hatch;
 use pens::Pens;
-use std::sync::Arc;
-use usvg::{Group, Node, Options, Transform};
+use std::borrow::Cow;
+use texts::Fonts;
+use usvg::{Group, Node, Transform};
 
 /// Metres per pixel: an inch has 96 pixels in SVG.
 const PIXEL: f64 = 25.4e-3 / 96.0;
@@ -58,13 +61,16 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
     if let Some(reason) = size::refusal(&document) {
         return Err(JobError::Drawing(reason));
     }
-    let tree = outlines::tree(&document)?;
+    let fonts = Fonts::new();
+    let tree = outlines::tree(&document, &fonts)?;
     let mut reader = Reader {
         height: f64::from(tree.size().height()),
         flattener: Flattener::new(options.tolerance / PIXEL),
         hatch: options.hatch.map(Hatch::new),
         pens: Pens::new(&document),
         is_covered: false,
+        is_text: false,
+        fonts,
         notes: Vec::new(),
     };
     if text.contains("<image") {
@@ -83,25 +89,13 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
     }
     let job = drawing::job(pens, reader.notes, placement, options)?;
     if job.steps.iter().any(Step::draws) {
-        Ok(job)
-    } else {
-        let reason = "the SVG has no visible lines, shapes or texts to draw";
-        Err(JobError::Drawing(reason.into()))
+        return Ok(job);
     }
-}
-
-/// Texts are drawn in the built-in font, whatever font they name, and no other file is read.
-fn reading() -> Options<'static> {
-    let mut options = Options::default();
-    let fonts = options.fontdb_mut();
-    fonts.load_font_data(dejavu::sans::regular().to_vec());
-    options.font_resolver.select_font =
-        Box::new(|_, fonts| fonts.faces().next().map(|face| face.id));
-    options.image_href_resolver = usvg::ImageHrefResolver {
-        resolve_data: Box::new(|_, _: Arc<Vec<u8>>, _| None),
-        resolve_string: Box::new(|_, _| None),
-    };
-    options
+    let notes = job.warnings.iter().map(|note| format!("; {note}"));
+    let notes = notes.collect::<String>();
+    Err(JobError::Drawing(format!(
+        "the SVG has no visible lines, shapes or texts to draw{notes}"
+    )))
 }
 
 struct Reader {
@@ -112,6 +106,9 @@ struct Reader {
     pens: Pens,
     /// Whether a group around the present one is transparent, or is cut by a clip or a mask.
     is_covered: bool,
+    /// Whether the present group is a text.
+    is_text: bool,
+    fonts: Fonts,
     notes: Vec<Warning>,
 }
 
@@ -132,18 +129,12 @@ impl Reader {
                 Node::Group(group) => self.group(group)?,
                 Node::Path(path) if is_seen(path) => self.path(path)?,
                 Node::Text(text) => {
-                    self.note("texts are drawn as outlines of DejaVu Sans");
-                    let spans = text.layouted().iter();
-                    if spans
-                        .flat_map(|it| &it.positioned_glyphs)
-                        .any(|it| it.id.0 == 0)
-                    {
-                        self.note(
-                            "a text has characters that DejaVu Sans lacks, which become boxes: \
-                             convert it to paths",
-                        );
+                    for note in self.fonts.notes(text) {
+                        self.note(note);
                     }
+                    self.is_text = true;
                     self.group(text.flattened())?;
+                    self.is_text = false;
                 }
                 Node::Path(_) | Node::Image(_) => {}
             }
@@ -188,6 +179,10 @@ impl Reader {
                 .map_err(too_large)?;
         }
         if !self.is_left_white(path) {
+            let strokes = match self.is_text {
+                true => strokes.into_iter().filter_map(drawn_once).collect(),
+                false => strokes,
+            };
             self.pens.add(path, strokes);
         }
         Ok(())
@@ -199,7 +194,7 @@ impl Reader {
         self.hatch.is_some() && !has_line && !path.fill().is_some_and(is_ink)
     }
 
-    fn note(&mut self, what: &'static str) {
+    fn note(&mut self, what: impl Into<Cow<'static, str>>) {
         let kind = WarningKind::Drawing(what.into());
         match self.notes.iter_mut().find(|note| note.kind == kind) {
             Some(same) => same.count += 1,

@@ -7,7 +7,8 @@
 //! Two kinds of drawings need their own widths: markers are as large as the lines are wide, and a line of no width is not
 //! seen. Their curves are counted before.
 
-use super::{reading, unread};
+use super::texts::Fonts;
+use super::unread;
 use crate::budget::{Budget, OverBudget};
 use crate::job::JobError;
 use usvg::roxmltree::Document;
@@ -25,9 +26,9 @@ const SHORT: f64 = 5.0;
 const BY_LENGTH: f64 = 4.0;
 
 /// The drawing in the document.
-pub(super) fn tree(document: &Document<'_>) -> Result<Tree, JobError> {
+pub(super) fn tree(document: &Document<'_>, fonts: &Fonts) -> Result<Tree, JobError> {
     let parsed = |style: Option<String>| {
-        let mut options = reading();
+        let mut options = fonts.reading();
         options.style_sheet = style;
         Tree::from_xmltree(document, &options).map_err(|error| unread(&error))
     };
@@ -202,7 +203,7 @@ impl Steps {
 
 #[cfg(test)]
 mod tests {
-    use super::{Widths, reading, tree};
+    use super::{Fonts, Widths, tree};
     use usvg::roxmltree::Document;
     use usvg::{Group, Node, Tree};
 
@@ -245,8 +246,8 @@ mod tests {
             let text = page(content);
             let document = Document::parse(&text).expect("XML");
             assert!(!Widths::of(&document).are_needed, "{content}");
-            let plain = Tree::from_xmltree(&document, &reading()).expect("SVG");
-            let wide = tree(&document).expect("SVG");
+            let plain = Tree::from_xmltree(&document, &Fonts::new().reading()).expect("SVG");
+            let wide = tree(&document, &Fonts::new()).expect("SVG");
             assert!(!paths(wide.root()).is_empty(), "{content}");
             assert_eq!(paths(wide.root()), paths(plain.root()), "{content}");
         }
@@ -267,8 +268,8 @@ mod tests {
             let text = page(content);
             let document = Document::parse(&text).expect("XML");
             assert!(Widths::of(&document).are_needed, "{content}");
-            let plain = Tree::from_xmltree(&document, &reading()).expect("SVG");
-            let read = tree(&document).expect("SVG");
+            let plain = Tree::from_xmltree(&document, &Fonts::new().reading()).expect("SVG");
+            let read = tree(&document, &Fonts::new()).expect("SVG");
             assert_eq!(paths(read.root()), paths(plain.root()), "{content}");
         }
     }
@@ -299,7 +300,8 @@ mod tests {
         let curve = "<path d='M0 0C1 9 5 9 9 0' stroke='red' fill='none' stroke-width='1e9'";
         let read = |content: &str| {
             let text = page(content);
-            tree(&Document::parse(&text).expect("XML")).map(|it| paths(it.root()).len())
+            tree(&Document::parse(&text).expect("XML"), &Fonts::new())
+                .map(|it| paths(it.root()).len())
         };
         assert_eq!(read(&format!("{curve}/>").repeat(1000)).expect("SVG"), 1000);
         let refused = read(&format!("{marker}{curve} marker-end='url(#m)'/>"));

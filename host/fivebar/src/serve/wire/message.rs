@@ -3,6 +3,7 @@
 use super::lease::PageId;
 use super::stop_signal::Stop;
 use crate::serve::commission::PageState;
+use fivebar_files::job::Trace;
 use fivebar_firmware::Status;
 use fivebar_firmware::controller::{Request, Snapshot};
 use fivebar_kinematics::five_bar::Side;
@@ -112,6 +113,14 @@ pub(in crate::serve) struct Reading {
     pub(in crate::serve) speed: Option<f64>,
     /// Z at or below which the pen is down [m]; none: 0, or the middle of the file's heights.
     pub(in crate::serve) pen_height: Option<f64>,
+    /// How a picture becomes strokes; none: by its outlines.
+    pub(in crate::serve) trace: Option<Trace>,
+    /// The darkness of a picture that becomes ink; none: what divides it best.
+    pub(in crate::serve) level: Option<f64>,
+    /// How often a drawing is drawn, in columns and rows; none: once.
+    pub(in crate::serve) copies: Option<[u32; 2]>,
+    /// The distance between copies [m]; none: 5 mm.
+    pub(in crate::serve) gap: Option<f64>,
 }
 
 /// A driven joint.
