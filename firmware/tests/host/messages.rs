@@ -120,6 +120,7 @@ fn stream_point() -> impl Strategy<Value = StreamPoint> {
         due,
         position: position.into(),
         velocity: velocity.into(),
+        force: (0.0, 0.0),
     })
 }
 

@@ -8,3 +8,4 @@ mod host;
 mod cases;
 mod following;
 mod free;
+mod impedance;

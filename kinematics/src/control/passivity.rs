@@ -53,10 +53,7 @@ impl<S: Scalar> Symmetric<S> {
     /// M v.
     #[inline(always)]
     pub fn apply(&self, v: Vector2<S>) -> Vector2<S> {
-        Vector2::new(
-            self.xx * v.x + self.xy * v.y,
-            self.xy * v.x + self.yy * v.y,
-        )
+        Vector2::new(self.xx * v.x + self.xy * v.y, self.xy * v.x + self.yy * v.y)
     }
 
     /// a M + b N.
@@ -155,9 +152,7 @@ impl<S: Scalar> RenderingLag<S> {
     /// latency of its encoders [s].
     pub fn new(period: S, observer_bandwidth: S, torque_lag: S, latency: S) -> Self {
         let pole = decay(observer_bandwidth * period);
-        let most = S::from_f64(MOST_GAIN);
-        let gain = period / torque_lag;
-        let gain = if gain < most { gain } else { most };
+        let gain = Self::gain(period, torque_lag);
         let (mut stiffness, mut damping) = (S::ZERO, S::ZERO);
         for k in LOWEST..=STEPS {
             let share = f64::from(k) / f64::from(STEPS);
@@ -176,6 +171,12 @@ impl<S: Scalar> RenderingLag<S> {
             stiffness: between * stiffness,
             damping: between * damping,
         }
+    }
+
+    /// g of a current loop with this lag [s] in ticks of this period [s].
+    pub fn gain(period: S, torque_lag: S) -> S {
+        let (gain, most) = (period / torque_lag, S::from_f64(MOST_GAIN));
+        if gain < most { gain } else { most }
     }
 
     /// The greater lags of two loops.

@@ -11,7 +11,7 @@
 use crate::Scalar;
 
 /// The energy at which the arm is damped most [J].
-pub const DEPTH: f64 = 5e-3;
+const DEPTH: f64 = 5e-3;
 
 /// The account's constants.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -182,7 +182,7 @@ fn place(mode: StreamMode, status: &Status) -> Option<[f64; 2]> {
                 held + turn * ((measured - held) / turn).round()
             })
         }),
-        StreamMode::Tip | StreamMode::Free => status.reference,
+        StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => status.reference,
     };
     place.map(|place| place.map(f64::from))
 }

@@ -48,6 +48,7 @@ impl<C: Controlled> Drive<'_, C> {
                 due: 0,
                 position: (0.0, 0.0),
                 velocity: (0.0, 0.0),
+                force: (0.0, 0.0),
             };
             self.controller.client().send_point(n, &point)?;
             self.controller.pass_time()?;

@@ -164,7 +164,7 @@ fn a_job_that_finds_the_motors_off_leaves_them_off_and_one_that_finds_them_on_le
 fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveError> {
     let status = arm.progress().status;
     let from = match mode {
-        StreamMode::Tip | StreamMode::Free => status.tool.unwrap(),
+        StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => status.tool.unwrap(),
         StreamMode::Joint => status.angle,
     };
     let scale = [0.02, 2e-3][usize::from(mode == StreamMode::Tip)];

@@ -148,6 +148,7 @@ impl Streamer {
                 .map(|k| (position[k] + later * velocity[k]) as f32)
                 .into(),
             velocity: velocity.map(|value| value as f32).into(),
+            force: (0.0, 0.0),
         };
         (self.n, point)
     }

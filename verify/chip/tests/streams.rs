@@ -156,10 +156,12 @@ fn points_that_cannot_be_followed_are_refused_with_their_reason_and_the_third_en
             due: status.tick + 400,
             position: (theta1, theta4),
             velocity: (0.0, 0.0),
+            force: (0.0, 0.0),
         };
         let wrong = match mistake {
             0 => StreamPoint {
                 velocity: (f32::NAN, 0.0),
+                force: (0.0, 0.0),
                 ..right
             },
             1 => StreamPoint {

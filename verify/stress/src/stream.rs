@@ -67,7 +67,7 @@ impl StreamRun {
         let time = f32::from(n) * f32::from(PERIOD) * 1e-4;
         let (sine, cosine) = (self.rate * time).sin_cos();
         let (from, scale) = match self.config.mode {
-            StreamMode::Tip | StreamMode::Free => (tool, 1.0),
+            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => (tool, 1.0),
             // Per metre of the tool about so many radians.
             StreamMode::Joint => (joints, 10.0),
         };
@@ -78,6 +78,7 @@ impl StreamRun {
             due: begun + u32::from(n) * u32::from(PERIOD) + u32::from(self.config.delay),
             position: (at(0), at(1)),
             velocity: (rate(0), rate(1)),
+            force: (0.0, 0.0),
         };
         let (place, bits) = self.mistake;
         if u16::from(place) * 4 == n {
