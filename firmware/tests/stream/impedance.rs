@@ -268,7 +268,8 @@ fn a_wall_stops_a_hand_and_a_guide_pulls_onto_its_line() {
     for _ in 0..60 {
         felt.run(10);
         let distance = (felt.tool() - Vector2::from(centre.map(f64::from))).norm();
-        assert!(distance > 0.013, "{distance} m");
+        // 0.6 N over 5 mm and the depth δ are at least the energy of the spring, 75 N/m · δ².
+        assert!(distance > f64::from(radius) - 0.0115, "{distance} m");
     }
     assert!(felt.tool().y > at.y + 0.02);
     let guides = [

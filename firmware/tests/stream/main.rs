@@ -9,3 +9,4 @@ mod cases;
 mod following;
 mod free;
 mod impedance;
+mod walls;
