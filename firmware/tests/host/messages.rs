@@ -6,7 +6,9 @@ use fivebar_firmware::controller::{
     self, Excitation, ExcitationEnd, Excited, JointReference, Snapshot,
 };
 use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::planner::{StreamError, StreamPhase, StreamProgress, StreamReason};
 use fivebar_firmware::protocol::{
@@ -105,7 +107,12 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
 }
 
 fn stream_config() -> impl Strategy<Value = StreamConfig> {
-    let mode = prop::sample::select(vec![StreamMode::Tip, StreamMode::Joint, StreamMode::Free]);
+    let mode = prop_oneof![
+        Just(StreamMode::Tip),
+        Just(StreamMode::Joint),
+        Just(StreamMode::Free),
+        impedance().prop_map(StreamMode::Impedance),
+    ];
     (mode, any::<(u32, u16, u16)>()).prop_map(|(mode, (id, period, delay))| StreamConfig {
         id,
         mode,
@@ -114,14 +121,53 @@ fn stream_config() -> impl Strategy<Value = StreamConfig> {
     })
 }
 
-fn stream_point() -> impl Strategy<Value = StreamPoint> {
-    any::<(u32, u32, [f32; 2], [f32; 2])>().prop_map(|(id, due, position, velocity)| StreamPoint {
-        id,
-        due,
-        position: position.into(),
-        velocity: velocity.into(),
-        force: (0.0, 0.0),
+fn impedance() -> impl Strategy<Value = Impedance> {
+    let fixtures = prop::array::uniform4(prop::option::of(fixture()));
+    (any::<([f32; 3], [f32; 3])>(), fixtures).prop_map(|((stiffness, damping), fixtures)| {
+        Impedance {
+            stiffness,
+            damping,
+            fixtures,
+        }
     })
+}
+
+fn fixture() -> impl Strategy<Value = Fixture> {
+    (0..6, any::<([f32; 6], f32, f32)>()).prop_map(
+        |(kind, ([a, b, c, d, e, f], stiffness, damping))| {
+            let (point, normal, radius) = ([a, b], [c, d], e);
+            let centre = point;
+            let shape = match kind {
+                0 => FixtureShape::HalfPlane { point, normal },
+                1 => FixtureShape::Box {
+                    centre,
+                    axis: normal,
+                    half: [e, f],
+                },
+                2 => FixtureShape::Inside { centre, radius },
+                3 => FixtureShape::Outside { centre, radius },
+                4 => FixtureShape::Line { point, normal },
+                _ => FixtureShape::Circle { centre, radius },
+            };
+            Fixture {
+                shape,
+                stiffness,
+                damping,
+            }
+        },
+    )
+}
+
+fn stream_point() -> impl Strategy<Value = StreamPoint> {
+    any::<(u32, u32, [f32; 2], [f32; 2], [f32; 2])>().prop_map(
+        |(id, due, position, velocity, force)| StreamPoint {
+            id,
+            due,
+            position: position.into(),
+            velocity: velocity.into(),
+            force: force.into(),
+        },
+    )
 }
 
 fn stream_state() -> impl Strategy<Value = StreamState> {
@@ -144,6 +190,7 @@ fn stream_state() -> impl Strategy<Value = StreamState> {
         StreamReason::Away(0.25),
         StreamReason::Limit(MoveErrorKind::Overload(4)),
         StreamReason::Silent,
+        StreamReason::Force,
     ]);
     let progress = (
         phase,
