@@ -36,6 +36,14 @@ impl<C: Controlled> Drive<'_, C> {
     ) -> Result<(), DriveError> {
         let config = options.config(self.fault_free_status()?.tick, tick_rate);
         self.begin_when_free(config)?;
+        if let StreamMode::Impedance(_) = options.mode {
+            let felt = self.feel(&config, given);
+            if felt.is_err() {
+                self.bring_to_rest()?;
+                return felt;
+            }
+            return self.end_stream();
+        }
         let tick = self.fault_free_status()?.tick;
         let mut streamer = Streamer::new(config, tick_rate, tick);
         let streamed = self.stream_points(options.mode, &mut streamer, given);
@@ -152,7 +160,7 @@ impl<C: Controlled> Drive<'_, C> {
     }
 
     /// The state of the stream that the controller told last, if it told one since the last call.
-    fn latest_state(&mut self) -> Option<StreamState> {
+    pub(super) fn latest_state(&mut self) -> Option<StreamState> {
         let client = self.controller.client();
         std::iter::from_fn(|| client.take_stream_state()).last()
     }
@@ -232,10 +240,7 @@ mod tests {
             _ => {
                 let position = motion(f64::from(points) * 2e-3);
                 points += 1;
-                Given::Point(SetPoint {
-                    position,
-                    velocity: None,
-                })
+                Given::Point(SetPoint::at(position))
             }
         };
         drive.follow_stream(&options, 10_000.0, &mut given).unwrap();

@@ -182,10 +182,7 @@ fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveErro
             f64::from(from[0]) + scale * (1.0 - cosine),
             f64::from(from[1]) + scale * sine,
         ];
-        if !stream.send(SetPoint {
-            position,
-            velocity: None,
-        }) {
+        if !stream.send(SetPoint::at(position)) {
             break;
         }
     }
@@ -218,10 +215,7 @@ fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
         arm.stream(StreamOptions { mode, rate, delay }).unwrap()
     };
     let [x, y] = place(&arm).map(f64::from);
-    let along = |way: f64| SetPoint {
-        position: [x + way, y],
-        velocity: None,
-    };
+    let along = |way: f64| SetPoint::at([x + way, y]);
 
     let begun = stream(StreamMode::Tip);
     let mut way = 0.0;

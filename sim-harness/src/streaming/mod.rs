@@ -36,6 +36,19 @@ pub struct SetPoint {
     pub position: [f64; 2],
     /// Its velocity [rad/s or m/s]; none: by the points before and behind it.
     pub velocity: Option<[f64; 2]>,
+    /// A force on the tool [N]; 0 but with an impedance.
+    pub force: [f64; 2],
+}
+
+impl SetPoint {
+    /// A position [rad or m] alone.
+    pub fn at(position: [f64; 2]) -> Self {
+        Self {
+            position,
+            velocity: None,
+            force: [0.0; 2],
+        }
+    }
 }
 
 impl StreamOptions {

@@ -15,10 +15,7 @@ fn streamer(rate: f64, begun: u32) -> Streamer {
 }
 
 fn at(time: f64) -> SetPoint {
-    SetPoint {
-        position: [0.1 * time, 0.02 * (3.0 * time).sin()],
-        velocity: None,
-    }
+    SetPoint::at([0.1 * time, 0.02 * (3.0 * time).sin()])
 }
 
 #[test]

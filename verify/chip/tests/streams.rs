@@ -31,10 +31,7 @@ fn program(points: u32, mut at: impl FnMut(f64) -> [f64; 2]) -> impl FnMut() -> 
             return Given::End;
         }
         let smooth = share * share * (3.0 - 2.0 * share);
-        Given::Point(SetPoint {
-            position: at(smooth),
-            velocity: None,
-        })
+        Given::Point(SetPoint::at(at(smooth)))
     }
 }
 

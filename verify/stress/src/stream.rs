@@ -2,7 +2,9 @@
 
 use crate::bytes::Bytes;
 use crate::timed::Tool;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+};
 
 /// Ticks of a period.
 const PERIOD: u16 = 20;
@@ -25,12 +27,35 @@ pub(crate) struct StreamRun {
     pub(crate) ends: bool,
 }
 
+/// A spring that most arms may render, with a wall across the tool's work, or one whose bits may be anything.
+fn impedance(bytes: &mut Bytes<'_>) -> Impedance {
+    let [k, d] = bytes.pair(0.0, 100.0);
+    let damping = 1e-3 * d;
+    let [x, y] = bytes.pair(-0.1, 0.2);
+    let (bits, any) = (bytes.word(), bytes.byte() < 32);
+    let stiffness = if any { f32::from_bits(bits) } else { k };
+    let wall = Fixture {
+        shape: FixtureShape::HalfPlane {
+            point: [x, y],
+            normal: [y, x],
+        },
+        stiffness: 0.5 * k,
+        damping,
+    };
+    Impedance {
+        stiffness: [stiffness, 0.0, k],
+        damping: [damping, 0.0, damping],
+        fixtures: [Some(wall), None, None, None],
+    }
+}
+
 impl StreamRun {
     pub(crate) fn from_bytes(bytes: &mut Bytes<'_>) -> Self {
         let mode = match bytes.byte() {
             0..=99 => StreamMode::Tip,
             100..=199 => StreamMode::Joint,
-            200..=255 => StreamMode::Free,
+            200..=224 => StreamMode::Free,
+            225..=255 => StreamMode::Impedance(impedance(bytes)),
         };
         let how = bytes.byte();
         Self {
