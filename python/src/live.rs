@@ -6,7 +6,7 @@ use crate::simulation::Scenario;
 use crate::touch;
 use fivebar_files::scenario::place_in_job;
 use fivebar_firmware::Status;
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{FIXTURES, Impedance, StreamMode};
 use fivebar_firmware::safety::Fault;
 use fivebar_report::text::next_step;
 use fivebar_sim::controller::{ControllerSource, sentence};
@@ -195,7 +195,13 @@ impl Connection {
             true => StreamMode::Joint,
             false => StreamMode::Tip,
         };
-        self.begin(py, StreamOptions { mode, rate, delay })
+        let options = StreamOptions {
+            mode,
+            rate,
+            delay,
+            fixtures: [None; FIXTURES],
+        };
+        self.begin(py, options)
     }
 
     /// Begins a stream with an impedance: K [N/m] and D [N·s/m] as xx, xy, yy, and walls and guides, each as its kind, its numbers,
@@ -209,11 +215,19 @@ impl Connection {
         rate: f64,
     ) -> PyResult<()> {
         self.here(py)?;
-        let impedance = touch::impedance(stiffness, damping, &fixtures)
-            .map_err(|refusal| error::controller(py, refusal))?;
-        let mode = StreamMode::Impedance(impedance);
-        let delay = None;
-        self.begin(py, StreamOptions { mode, rate, delay })
+        let fixtures =
+            touch::fixtures(&fixtures).map_err(|refusal| error::controller(py, refusal))?;
+        let single = |values: [f64; 3]| values.map(|value| value as f32);
+        let options = StreamOptions {
+            mode: StreamMode::Impedance(Impedance {
+                stiffness: single(stiffness),
+                damping: single(damping),
+            }),
+            rate,
+            delay: None,
+            fixtures,
+        };
+        self.begin(py, options)
     }
 
     /// Gives the next point of the stream; waits until it is due.

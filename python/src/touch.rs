@@ -1,32 +1,26 @@
-//! What an arm with an impedance is told, from the numbers of Python.
+//! Walls and guides from the numbers of Python.
 
-use fivebar_firmware::motion::{FIXTURES, Fixture, FixtureShape, Impedance};
+use fivebar_firmware::motion::{FIXTURES, Fixture, FixtureShape};
 
 /// A wall or a guide: its kind, its numbers, stiffness [N/m] and damping [N·s/m].
 pub(crate) type Told = (String, [f64; 6], f64, f64);
 
-/// K [N/m] and D [N·s/m] as xx, xy, yy, and walls and guides.
+/// Walls and guides.
 ///
 /// # Errors
-/// Too many of these, or one of an unknown kind.
-pub(crate) fn impedance(
-    stiffness: [f64; 3],
-    damping: [f64; 3],
-    told: &[Told],
-) -> Result<Impedance, String> {
+/// Too many, or one of an unknown kind.
+pub(crate) fn fixtures(told: &[Told]) -> Result<[Option<Fixture>; FIXTURES], String> {
     if told.len() > FIXTURES {
-        return Err(format!("an arm has at most {FIXTURES} walls and guides, not {}", told.len()));
+        let given = told.len();
+        return Err(format!(
+            "an arm has at most {FIXTURES} walls and guides, not {given}"
+        ));
     }
     let mut fixtures = [None; FIXTURES];
     for (slot, told) in fixtures.iter_mut().zip(told) {
         *slot = Some(fixture(told)?);
     }
-    let single = |values: [f64; 3]| values.map(|value| value as f32);
-    Ok(Impedance {
-        stiffness: single(stiffness),
-        damping: single(damping),
-        fixtures,
-    })
+    Ok(fixtures)
 }
 
 fn fixture((kind, numbers, stiffness, damping): &Told) -> Result<Fixture, String> {

@@ -27,7 +27,6 @@ pub(crate) struct Rendering {
     pub(crate) stiffness: Symmetric<f32>,
     /// D [N·s/m].
     pub(crate) damping: Symmetric<f32>,
-    pub(crate) fixtures: [Option<VirtualFixture<f32>>; FIXTURES],
     /// The damping that all of it demands of the arm [N·s/m].
     pub(crate) demand: Symmetric<f32>,
     /// Where the spring ends until the first point [m].
@@ -36,13 +35,14 @@ pub(crate) struct Rendering {
 
 /// What bounds the springs that an arm may render.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RenderingBounds {
+pub struct RenderingBounds {
     pub(crate) lag: RenderingLag<f32>,
     pub(crate) joints: JointDamping<f32>,
 }
 
 impl RenderingBounds {
-    pub(crate) fn new<D: Drives>(settings: &CheckedSettings) -> Self {
+    /// Of an arm with these drives and settings.
+    pub fn new<D: Drives>(settings: &CheckedSettings) -> Self {
         let control = &settings.control;
         let (period, lag) = (1.0 / control.tick_rate, D::lag(settings, Stage::Moves));
         let [lag1, lag4] = settings.axes.each_ref().map(|axis| {
@@ -58,14 +58,23 @@ impl RenderingBounds {
             joints: JointDamping::new(settings.axes.each_ref().map(|axis| axis.viscous_friction)),
         }
     }
+
+    /// The greatest stiffness along one direction without dampers [N/m], with these columns of the tool's Jacobian [m]: the least
+    /// and the greatest one of all directions. A stream with a stiffer spring is refused.
+    pub fn greatest_stiffness(&self, jacobian: [Vector2<f32>; 2]) -> [f32; 2] {
+        self.lag.greatest_stiffness(&self.joints, jacobian)
+    }
 }
 
 /// How the springs of a stream act.
 #[derive(Clone)]
 pub(super) struct Rendered {
+    /// Whether it does.
+    pub(super) is_on: bool,
+    /// With x0 [m].
     what: Rendering,
-    /// x0 [m], v0 [m/s] and f [N].
-    target: Vector2<f32>,
+    fixtures: [Option<VirtualFixture<f32>>; FIXTURES],
+    /// v0 [m/s] and f [N].
     velocity: Vector2<f32>,
     force: Vector2<f32>,
     /// How far the springs have risen since points come.
@@ -147,21 +156,28 @@ impl Renderer {
         let Rendering {
             stiffness,
             damping,
-            fixtures,
             demand,
-            ..
-        } = &rendered.what;
-        rendered.target += rendered.velocity * self.period;
-        let away = rendered.target - tool.place;
+            target,
+        } = &mut rendered.what;
+        *target += rendered.velocity * self.period;
+        let away = *target - tool.place;
         let mut spring = stiffness.apply(away);
         let mut energy = 0.5 * away.dot(&spring);
         let mut damper = -damping.apply(tool.velocity);
-        for fixture in fixtures.iter().flatten() {
-            let push = fixture.push(tool.place, tool.velocity);
-            spring += push.spring;
-            damper += push.damper;
-            energy += push.energy;
-        }
+        // No loop: the bound of the tick's time counts each.
+        let mut add = |fixture: &Option<VirtualFixture<f32>>| {
+            if let Some(fixture) = fixture {
+                let push = fixture.push(tool.place, tool.velocity);
+                spring += push.spring;
+                damper += push.damper;
+                energy += push.energy;
+            }
+        };
+        let [first, second, third, fourth] = &rendered.fixtures;
+        add(first);
+        add(second);
+        add(third);
+        add(fourth);
         let load = self.bounds.joints.load(demand, tool.jacobian);
         let pose = if load > 1.0 { 1.0 / load } else { 1.0 };
         let risen = rendered.rise + self.per_rise;
@@ -197,10 +213,22 @@ impl Renderer {
 }
 
 impl Rendered {
-    pub(super) fn new(what: &Rendering) -> Self {
+    /// Nothing.
+    pub(super) fn none() -> Self {
+        let none = Symmetric {
+            xx: 0.0,
+            xy: 0.0,
+            yy: 0.0,
+        };
         Self {
-            what: *what,
-            target: what.target,
+            is_on: false,
+            what: Rendering {
+                stiffness: none,
+                damping: none,
+                demand: none,
+                target: Vector2::zeros(),
+            },
+            fixtures: [None; FIXTURES],
             velocity: Vector2::zeros(),
             force: Vector2::zeros(),
             rise: 0.0,
@@ -210,9 +238,20 @@ impl Rendered {
         }
     }
 
+    /// Begins to render this, with the walls and guides that were stored; none: nothing.
+    pub(super) fn begin(&mut self, what: Option<&Rendering>, angles: [f32; 2]) {
+        self.is_on = what.is_some();
+        if let Some(what) = what {
+            self.what = *what;
+        }
+        (self.velocity, self.force) = (Vector2::zeros(), Vector2::zeros());
+        (self.allowed, self.left) = (1.0, 1.0);
+        self.pause(angles);
+    }
+
     /// The springs end here from now on, and their end moves so.
     pub(super) fn follow(&mut self, point: &StreamPoint) {
-        self.target = Vector2::new(point.position.0, point.position.1);
+        self.what.target = Vector2::new(point.position.0, point.position.1);
         self.velocity = Vector2::new(point.velocity.0, point.velocity.1);
         self.force = Vector2::new(point.force.0, point.force.1);
     }
@@ -236,6 +275,13 @@ impl<D: Drives> ArmController<D> {
     /// What bounds the springs that this arm may render.
     pub(crate) fn rendering_bounds(&self) -> RenderingBounds {
         self.touch.renderer.bounds
+    }
+
+    /// Stores a wall or a guide of the stream that begins next.
+    pub(crate) fn store_fixture(&mut self, place: usize, fixture: Option<&VirtualFixture<f32>>) {
+        if let Some(slot) = self.touch.rendered.fixtures.get_mut(place) {
+            *slot = fixture.copied();
+        }
     }
 
     /// Takes the energy tank out: a test shows that walls give energy then.

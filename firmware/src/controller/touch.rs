@@ -102,8 +102,7 @@ pub(super) struct Touch {
     longest: u32,
     per_rise: f32,
     pub(super) renderer: Renderer,
-    /// None: it renders nothing.
-    rendered: Option<Rendered>,
+    pub(super) rendered: Rendered,
 }
 
 impl Touch {
@@ -141,7 +140,7 @@ impl Touch {
             longest: ticks(DAMPED),
             per_rise: 1.0 / (RISE * control.tick_rate),
             renderer: Renderer::new::<D>(settings),
-            rendered: None,
+            rendered: Rendered::none(),
         }
     }
 
@@ -190,16 +189,14 @@ impl Touch {
     /// What springs and dampers do in this tick.
     #[inline(always)]
     fn render(&mut self, tool: &ToolState) -> Push {
-        match &mut self.rendered {
-            Some(rendered) if self.phase == TouchPhase::Yields => {
-                self.renderer.render(rendered, tool)
-            }
-            Some(rendered) => {
-                rendered.pause(tool.angles);
-                Push::NONE
-            }
-            None => Push::NONE,
+        if !self.rendered.is_on {
+            return Push::NONE;
         }
+        if self.phase != TouchPhase::Yields {
+            self.rendered.pause(tool.angles);
+            return Push::NONE;
+        }
+        self.renderer.render(&mut self.rendered, tool)
     }
 
     /// The friction that is fed forward, before its share [N·m].
@@ -210,9 +207,10 @@ impl Touch {
         axis4: &AxisModel,
         [omega1, omega4]: [f32; 2],
     ) -> [f32; 2] {
-        match self.rendered {
-            Some(_) => [axis1.friction.dry(omega1), axis4.friction.dry(omega4)],
-            None => [axis1.friction.torque(omega1), axis4.friction.torque(omega4)],
+        if self.rendered.is_on {
+            [axis1.friction.dry(omega1), axis4.friction.dry(omega4)]
+        } else {
+            [axis1.friction.torque(omega1), axis4.friction.torque(omega4)]
         }
     }
 
@@ -225,12 +223,12 @@ impl Touch {
         of_damper: f32,
         [damper1, damper4]: [f32; 2],
     ) {
-        if let Some(rendered) = &mut self.rendered {
+        if self.rendered.is_on {
             let torque = [
                 of_spring * spring1 + of_damper * damper1,
                 of_spring * spring4 + of_damper * damper4,
             ];
-            rendered.demand(&self.renderer.tank, of_spring, torque);
+            self.rendered.demand(&self.renderer.tank, of_spring, torque);
         }
     }
 
@@ -273,7 +271,8 @@ impl<D: Drives> ArmController<D> {
     /// Why it does not; nothing has changed then.
     pub(crate) fn begin_touch(&mut self, rendering: Option<&Rendering>) -> Result<(), TouchError> {
         self.check_touch()?;
-        self.touch.rendered = rendering.map(Rendered::new);
+        let angles = self.angles();
+        self.touch.rendered.begin(rendering, angles);
         let Touch {
             phase,
             begun,
@@ -303,9 +302,7 @@ impl<D: Drives> ArmController<D> {
         let touch = &mut self.touch;
         let goes_on = touch.phase != TouchPhase::Ends;
         if goes_on {
-            if let Some(rendered) = &mut touch.rendered {
-                rendered.follow(point);
-            }
+            touch.rendered.follow(point);
             touch.phase = TouchPhase::Yields;
             touch.fed_at = self.ticks;
         }
@@ -388,7 +385,7 @@ impl<D: Drives> ArmController<D> {
     /// The joints [rad], [rad/s] for which torques are computed: when these act, or as measured where springs are rendered.
     #[inline(always)]
     fn touched(&self) -> ([f32; 2], [f32; 2]) {
-        if self.touch.rendered.is_some() {
+        if self.touch.rendered.is_on {
             return (self.angles(), self.velocities());
         }
         let [joint1, joint4] = &self.joints;

@@ -1,4 +1,4 @@
-//! What an arm that renders springs is told: its impedance, its walls and its guides.
+//! What an arm that renders springs is told: its impedance, and before that its walls and its guides.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,15 +6,13 @@ use serde::{Deserialize, Serialize};
 pub const FIXTURES: usize = 4;
 
 /// The springs and dampers of a stream of the mode Impedance, in the frame of the base.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Impedance {
     /// kxx, kxy, kyy [N/m]: of the spring between the tool and the points.
     pub stiffness: [f32; 3],
     /// dxx, dxy, dyy [N·s/m]: of the damper between them.
     pub damping: [f32; 3],
-    /// Walls and guides.
-    pub fixtures: [Option<Fixture>; FIXTURES],
 }
 
 /// A wall or a guide.

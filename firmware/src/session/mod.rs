@@ -156,6 +156,7 @@ impl Session {
     /// Clears the draft and the telemetry of the session before, and ends its stream.
     fn begin_session(&mut self, planner: &mut Planner) {
         planner.end_stream(StreamReason::Stopped);
+        planner.clear_fixtures();
         self.stream_sampler = Sampler::off();
         self.draft = *self.in_use;
         self.sampler = Sampler::off();
@@ -261,6 +262,10 @@ impl Session {
                 planner.end_stream(StreamReason::Asked);
                 Ok(Reply::Done)
             }
+            HostCommand::SetFixture { place, fixture } => planner
+                .set_fixture(place, fixture)
+                .map(|()| Reply::Done)
+                .map_err(CommandError::Stream),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }

@@ -99,6 +99,8 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         stream_config().prop_map(HostCommand::BeginStream),
         stream_point().prop_map(HostCommand::Point),
         Just(HostCommand::EndStream),
+        (any::<u8>(), prop::option::of(fixture()))
+            .prop_map(|(place, fixture)| HostCommand::SetFixture { place, fixture }),
     ];
     (any::<u16>(), command).prop_map(|(sequence, command)| HostMessage {
         sequence: Sequence(sequence),
@@ -122,14 +124,7 @@ fn stream_config() -> impl Strategy<Value = StreamConfig> {
 }
 
 fn impedance() -> impl Strategy<Value = Impedance> {
-    let fixtures = prop::array::uniform4(prop::option::of(fixture()));
-    (any::<([f32; 3], [f32; 3])>(), fixtures).prop_map(|((stiffness, damping), fixtures)| {
-        Impedance {
-            stiffness,
-            damping,
-            fixtures,
-        }
-    })
+    any::<([f32; 3], [f32; 3])>().prop_map(|(stiffness, damping)| Impedance { stiffness, damping })
 }
 
 fn fixture() -> impl Strategy<Value = Fixture> {

@@ -20,19 +20,19 @@ fn soft(k: f32, d: f32) -> Impedance {
     Impedance {
         stiffness: [k, 0.0, k],
         damping: [d, 0.0, d],
-        ..Impedance::default()
     }
 }
 
-/// A wall or guide alone.
-fn fixture(shape: FixtureShape) -> Impedance {
-    let mut impedance = soft(0.0, 0.05);
-    impedance.fixtures[1] = Some(Fixture {
+/// An arm with a wall or guide alone.
+fn walled(shape: FixtureShape) -> Felt {
+    let mut rig = Rig::armed(&settings());
+    let wall = Fixture {
         shape,
         stiffness: 150.0,
         damping: 0.02,
-    });
-    impedance
+    };
+    assert_eq!(rig.planner.set_fixture(1, Some(wall)), Ok(()));
+    Felt::over(rig, soft(0.0, 0.05))
 }
 
 fn config(impedance: Impedance) -> StreamConfig {
@@ -56,7 +56,10 @@ struct Felt {
 
 impl Felt {
     fn begin(settings: &Settings, impedance: Impedance) -> Self {
-        let mut rig = Rig::armed(settings);
+        Self::over(Rig::armed(settings), impedance)
+    }
+
+    fn over(mut rig: Rig, impedance: Impedance) -> Self {
         let begun = rig
             .planner
             .begin_stream(&mut rig.controller, &config(impedance));
@@ -248,7 +251,7 @@ fn a_wall_stops_a_hand_and_a_guide_pulls_onto_its_line() {
         },
     ];
     for wall in walls {
-        let mut felt = Felt::begin(&settings(), fixture(wall));
+        let mut felt = walled(wall);
         felt.hand = [0.0, 0.6];
         felt.run(1500);
         let deep = felt.tool().y - at.y - 5e-3;
@@ -260,10 +263,7 @@ fn a_wall_stops_a_hand_and_a_guide_pulls_onto_its_line() {
     }
     // Along the outside of a circle the tool slides off.
     let (centre, radius) = ([x, y + 0.025], 0.02);
-    let mut felt = Felt::begin(
-        &settings(),
-        fixture(FixtureShape::Outside { centre, radius }),
-    );
+    let mut felt = walled(FixtureShape::Outside { centre, radius });
     felt.hand = [0.0, 0.6];
     for _ in 0..60 {
         felt.run(10);
@@ -283,7 +283,7 @@ fn a_wall_stops_a_hand_and_a_guide_pulls_onto_its_line() {
         },
     ];
     for guide in guides {
-        let mut felt = Felt::begin(&settings(), fixture(guide));
+        let mut felt = walled(guide);
         felt.run(1500);
         let off = felt.tool().y - at.y - 6e-3;
         assert!(off.abs() < 6e-4, "{guide:?}: {off} m");
@@ -343,24 +343,25 @@ fn what_is_not_passive_means_nothing_or_pushes_away_is_refused_by_name() {
         stiffness,
         damping: 0.0,
     };
-    let walled = |wall| Impedance {
-        fixtures: [None, None, Some(wall), None],
-        ..soft(50.0, 0.01)
+    let beside = |place, wall| {
+        let mut rig = Rig::armed(&settings());
+        rig.planner.set_fixture(place, Some(wall))?;
+        rig.planner
+            .begin_stream(&mut rig.controller, &config(soft(50.0, 0.01)))
     };
-    assert!(matches!(
-        begin(walled(wall(2000.0, 0.05))),
-        Err(StreamError::Stiffness(_))
-    ));
-    assert_eq!(begin(walled(wall(50.0, 0.05))), Ok(()));
-    assert_eq!(begin(walled(wall(50.0, 0.0))), Err(StreamError::Fixture(2)));
-    assert_eq!(
-        begin(walled(wall(-1.0, 0.05))),
-        Err(StreamError::Fixture(2))
-    );
-    assert_eq!(
-        begin(walled(wall(f32::NAN, 0.05))),
-        Err(StreamError::Fixture(2))
-    );
+    let refused = beside(2, wall(2000.0, 0.05));
+    assert!(matches!(refused, Err(StreamError::Stiffness(_))));
+    assert_eq!(beside(2, wall(50.0, 0.05)), Ok(()));
+    for (place, stiffness, radius) in [
+        (4, 50.0, 0.05),
+        (2, 50.0, 0.0),
+        (2, -1.0, 0.05),
+        (3, f32::NAN, 0.05),
+        (0, 50.0, f32::INFINITY),
+    ] {
+        let refused = beside(place, wall(stiffness, radius));
+        assert_eq!(refused, Err(StreamError::Fixture(place)));
+    }
     for stiffness in [
         [-1.0, 0.0, 50.0],
         [50.0, 60.0, 50.0],
@@ -460,7 +461,7 @@ fn forces_of_points_are_refused_in_other_modes() {
     let mut rig = Rig::armed(&settings());
     let config = StreamConfig {
         mode: StreamMode::Tip,
-        ..config(Impedance::default())
+        ..config(soft(0.0, 0.0))
     };
     rig.planner
         .begin_stream(&mut rig.controller, &config)

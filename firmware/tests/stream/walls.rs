@@ -148,15 +148,19 @@ fn energy_out(seed: u64, with_tank: bool) -> (usize, f64) {
     let (kind, shape, home) = wall(&mut random, tool);
     let share = within(&mut random, 0.3, 0.99) as f32;
     let mut config = |stiffness: f32| {
-        let mut impedance = Impedance::default();
-        impedance.fixtures[0] = Some(Fixture {
+        let wall = Fixture {
             shape,
             stiffness,
             damping: 0.0,
-        });
+        };
+        rig.planner.set_fixture(0, Some(wall))?;
+        let none = [0.0; 3];
         let config = StreamConfig {
             id: 1,
-            mode: StreamMode::Impedance(impedance),
+            mode: StreamMode::Impedance(Impedance {
+                stiffness: none,
+                damping: none,
+            }),
             period: 100,
             delay: 200,
         };
@@ -248,20 +252,35 @@ fn no_wall_gives_a_hand_energy_and_without_the_tank_some_do() {
     assert!(active(&without) > 0);
 }
 
+/// The same in two threads.
+fn count_all(seeds: u64, with_tank: bool) -> [Count; SHAPES.len()] {
+    std::thread::scope(|scope| {
+        let half = scope.spawn(move || count(0..seeds / 2, with_tank));
+        let rest = count(seeds / 2..seeds, with_tank);
+        let half = half.join().unwrap();
+        std::array::from_fn(|kind| Count {
+            walls: half[kind].walls + rest[kind].walls,
+            active: half[kind].active + rest[kind].active,
+            most: half[kind].most.max(rest[kind].most),
+        })
+    })
+}
+
 /// `FIVEBAR_UPDATE=1` writes the table.
 #[test]
-#[ignore = "twenty thousand runs take minutes"]
+#[ignore = "eleven thousand runs take minutes"]
 fn whole_table_of_ten_thousand_walls_that_give_a_hand_no_energy() {
-    let (with, without) = (count(0..10_000, true), count(0..10_000, false));
+    let (with, without) = (count_all(10_000, true), count_all(1_000, false));
     let mut table =
-        "shape,walls,active with the tank,active without,greatest energy without [mJ]\n"
+        "shape,walls,that give energy,walls without the tank,that give energy,at most [mJ]\n"
             .to_string();
     for ((shape, with), without) in SHAPES.iter().zip(&with).zip(&without) {
-        let (walls, most) = (with.walls, 1e3 * without.most);
+        let (walls, most) = (without.walls, 1e3 * without.most);
+        let (all, active) = (with.walls, with.active);
         writeln!(
             table,
-            "{shape},{walls},{},{},{most:.1}",
-            with.active, without.active
+            "{shape},{all},{active},{walls},{},{most:.1}",
+            without.active
         )
         .unwrap();
     }
@@ -269,7 +288,7 @@ fn whole_table_of_ten_thousand_walls_that_give_a_hand_no_energy() {
     if std::env::var_os("FIVEBAR_UPDATE").is_some() {
         std::fs::write(path, &table).unwrap();
     }
-    assert_eq!(std::fs::read_to_string(path).unwrap(), table);
     assert_eq!(active(&with), 0, "{table}");
-    assert!(without.iter().all(|count| count.active > 0), "{table}");
+    assert!(active(&without) > 0, "{table}");
+    assert_eq!(std::fs::read_to_string(path).unwrap(), table);
 }

@@ -35,6 +35,12 @@ impl<C: Controlled> Drive<'_, C> {
         given: &mut dyn FnMut() -> Given,
     ) -> Result<(), DriveError> {
         let config = options.config(self.fault_free_status()?.tick, tick_rate);
+        if let StreamMode::Impedance(_) = options.mode {
+            for (place, fixture) in (0..).zip(options.fixtures) {
+                let command = HostCommand::SetFixture { place, fixture };
+                self.command("set a wall or a guide", command)?;
+            }
+        }
         self.begin_when_free(config)?;
         if let StreamMode::Impedance(_) = options.mode {
             let felt = self.feel(&config, given);
@@ -229,6 +235,7 @@ mod tests {
             mode: StreamMode::Tip,
             rate: 500.0,
             delay: None,
+            fixtures: [None; 4],
         };
         let (mut points, mut stall) = (0_u32, 9_u32);
         let mut given = || match points {

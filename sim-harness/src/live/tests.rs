@@ -172,6 +172,7 @@ fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveErro
         mode,
         rate: 200.0,
         delay: None,
+        fixtures: [None; 4],
     })?;
     for point in 0..points {
         let time = f64::from(point) / 200.0;
@@ -212,7 +213,13 @@ fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
     arm.motors_on().unwrap().finish().unwrap();
     let stream = |mode| {
         let (rate, delay) = (200.0, None);
-        arm.stream(StreamOptions { mode, rate, delay }).unwrap()
+        arm.stream(StreamOptions {
+            mode,
+            rate,
+            delay,
+            fixtures: [None; 4],
+        })
+        .unwrap()
     };
     let [x, y] = place(&arm).map(f64::from);
     let along = |way: f64| SetPoint::at([x + way, y]);

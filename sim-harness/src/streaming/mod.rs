@@ -8,7 +8,7 @@ mod approach;
 mod pacer;
 
 use approach::Approach;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{FIXTURES, Fixture, StreamConfig, StreamMode, StreamPoint};
 use pacer::Pacer;
 
 /// The number of points for which the controller has room in a delay.
@@ -27,6 +27,8 @@ pub struct StreamOptions {
     pub rate: f64,
     /// The time from a point to the arm's being there [s]; none: 40 ms or three periods, if there is room for that.
     pub delay: Option<f64>,
+    /// Walls and guides of a stream with an impedance.
+    pub fixtures: [Option<Fixture>; FIXTURES],
 }
 
 /// A set-point of a program.

@@ -5,7 +5,7 @@ use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::{MoveKind, Request};
 
 /// The names of the kinds.
-pub const KINDS: [&str; 32] = [
+pub const KINDS: [&str; 33] = [
     "Hello",
     "Status",
     "Snapshot",
@@ -38,6 +38,7 @@ pub const KINDS: [&str; 32] = [
     "BeginStream",
     "Point",
     "EndStream",
+    "SetFixture",
 ];
 
 /// The place of a command's kind in [`KINDS`].
@@ -79,5 +80,6 @@ pub(crate) fn kind_of(command: &HostCommand) -> usize {
         HostCommand::BeginStream(_) => 29,
         HostCommand::Point(_) => 30,
         HostCommand::EndStream => 31,
+        HostCommand::SetFixture { .. } => 32,
     }
 }

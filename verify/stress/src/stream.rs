@@ -13,6 +13,8 @@ const PERIOD: u16 = 20;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StreamRun {
     config: StreamConfig,
+    /// A wall that is set before.
+    pub(crate) wall: Option<Fixture>,
     /// Half of the way [m].
     amplitude: [f32; 2],
     /// [rad/s].
@@ -27,25 +29,28 @@ pub(crate) struct StreamRun {
     pub(crate) ends: bool,
 }
 
-/// A spring that most arms may render, with a wall across the tool's work, or one whose bits may be anything.
+/// A spring that most arms may render, or one whose bits may be anything.
 fn impedance(bytes: &mut Bytes<'_>) -> Impedance {
     let [k, d] = bytes.pair(0.0, 100.0);
     let damping = 1e-3 * d;
-    let [x, y] = bytes.pair(-0.1, 0.2);
     let (bits, any) = (bytes.word(), bytes.byte() < 32);
     let stiffness = if any { f32::from_bits(bits) } else { k };
-    let wall = Fixture {
+    Impedance {
+        stiffness: [stiffness, 0.0, k],
+        damping: [damping, 0.0, damping],
+    }
+}
+
+/// A wall somewhere in the tool's work.
+fn wall(bytes: &mut Bytes<'_>) -> Fixture {
+    let [x, y] = bytes.pair(-0.1, 0.2);
+    Fixture {
         shape: FixtureShape::HalfPlane {
             point: [x, y],
             normal: [y, x],
         },
-        stiffness: 0.5 * k,
-        damping,
-    };
-    Impedance {
-        stiffness: [stiffness, 0.0, k],
-        damping: [damping, 0.0, damping],
-        fixtures: [Some(wall), None, None, None],
+        stiffness: bytes.number(0.0, 60.0),
+        damping: 0.0,
     }
 }
 
@@ -57,8 +62,10 @@ impl StreamRun {
             200..=224 => StreamMode::Free,
             225..=255 => StreamMode::Impedance(impedance(bytes)),
         };
+        let wall = matches!(mode, StreamMode::Impedance(_)).then(|| wall(bytes));
         let how = bytes.byte();
         Self {
+            wall,
             config: StreamConfig {
                 id: bytes.byte().into(),
                 mode,

@@ -36,24 +36,46 @@ impl Planner {
         let jacobian = tool.jacobian_of(&links, &links.partial_rates());
         let stiffness = checked(impedance.stiffness)?;
         let damping = checked(impedance.damping)?;
-        let mut fixtures = [None; FIXTURES];
         // Of all springs, and of all dampers.
         let (mut springs, mut dampers) = (stiffness, damping);
-        for (n, (slot, fixture)) in (0..).zip(fixtures.iter_mut().zip(&impedance.fixtures)) {
-            let Some(fixture) = fixture else {
-                continue;
-            };
-            *slot = Some(rendered(fixture).ok_or(StreamError::Fixture(n))?);
+        for fixture in self.fixtures.iter().flatten() {
             springs = springs.combined(1.0, &Symmetric::isotropic(fixture.stiffness), 1.0);
             dampers = dampers.combined(1.0, &Symmetric::isotropic(fixture.damping), 1.0);
         }
+        let demand = passive(&bounds, &springs, &dampers, jacobian)?;
+        // One in each access, which lasts no longer than a segment's copy.
+        for (place, fixture) in self.fixtures.iter().enumerate() {
+            let fixture = fixture.as_ref().and_then(rendered);
+            controller.lock(|controller| controller.store_fixture(place, fixture.as_ref()));
+        }
         Ok(Rendering {
-            demand: passive(&bounds, &springs, &dampers, jacobian)?,
+            demand,
             stiffness,
             damping,
-            fixtures,
             target,
         })
+    }
+
+    /// Changes a wall or a guide of the next stream with an impedance.
+    ///
+    /// # Errors
+    /// It means nothing, or there is no such place for one.
+    pub fn set_fixture(&mut self, place: u8, fixture: Option<Fixture>) -> Result<(), StreamError> {
+        let refused = StreamError::Fixture(place);
+        let slot = self.fixtures.get_mut(usize::from(place)).ok_or(refused)?;
+        if fixture
+            .as_ref()
+            .is_some_and(|fixture| rendered(fixture).is_none())
+        {
+            return Err(refused);
+        }
+        *slot = fixture;
+        Ok(())
+    }
+
+    /// Takes all walls and guides away.
+    pub fn clear_fixtures(&mut self) {
+        self.fixtures = [None; FIXTURES];
     }
 }
 

@@ -71,7 +71,6 @@ pub(crate) enum Event {
 const SPRING: Impedance = Impedance {
     stiffness: [5.0, 0.0, 5.0],
     damping: [0.01, 0.0, 0.01],
-    fixtures: [None; 4],
 };
 
 /// All events, those of the board's faults included.
