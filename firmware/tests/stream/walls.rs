@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 /// Of a tick [s].
 const PERIOD: f64 = 1e-4;
 /// How much more viscous friction the settings state than the arm has, so that walls are admitted that only the tank keeps passive.
-const FRICTION_STATED: f32 = 8.0;
+const FRICTION_STATED: f32 = 4.0;
 /// Damping ratio of the hand.
 const HAND_DAMPING: f64 = 0.02;
 
@@ -235,7 +235,10 @@ fn count(seeds: std::ops::Range<u64>, with_tank: bool) -> [Count; SHAPES.len()] 
         let (kind, out) = energy_out(seed, with_tank);
         let count = &mut counts[kind];
         count.walls += 1;
-        count.active += usize::from(out > ROUNDING);
+        if out > ROUNDING {
+            println!("wall {seed}, {}, tank {with_tank}: {out} J", SHAPES[kind]);
+            count.active += 1;
+        }
         count.most = count.most.max(out);
     }
     counts

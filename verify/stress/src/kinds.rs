@@ -5,7 +5,7 @@ use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::{MoveKind, Request};
 
 /// The names of the kinds.
-pub const KINDS: [&str; 33] = [
+pub const KINDS: [&str; 32] = [
     "Hello",
     "Status",
     "Snapshot",
@@ -38,7 +38,6 @@ pub const KINDS: [&str; 33] = [
     "BeginStream",
     "Point",
     "EndStream",
-    "SetFixture",
 ];
 
 /// The place of a command's kind in [`KINDS`].
@@ -77,9 +76,9 @@ pub(crate) fn kind_of(command: &HostCommand) -> usize {
             MoveKind::Crossing(_) => 27,
         },
         HostCommand::BoardTest(_) => 28,
-        HostCommand::BeginStream(_) => 29,
+        // Walls are set where a stream begins.
+        HostCommand::BeginStream(_) | HostCommand::SetFixture { .. } => 29,
         HostCommand::Point(_) => 30,
         HostCommand::EndStream => 31,
-        HostCommand::SetFixture { .. } => 32,
     }
 }
