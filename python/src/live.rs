@@ -217,7 +217,7 @@ impl Connection {
         self.here(py)?;
         let fixtures =
             touch::fixtures(&fixtures).map_err(|refusal| error::controller(py, refusal))?;
-        let single = |values: [f64; 3]| values.map(|value| value as f32);
+        let single = |values: [f64; 3]| values.map(|value| value as f32).into();
         let options = StreamOptions {
             mode: StreamMode::Impedance(Impedance {
                 stiffness: single(stiffness),

@@ -25,8 +25,8 @@ pub(crate) fn fixtures(told: &[Told]) -> Result<[Option<Fixture>; FIXTURES], Str
 
 fn fixture((kind, numbers, stiffness, damping): &Told) -> Result<Fixture, String> {
     let [a, b, c, d, e, f] = numbers.map(|value| value as f32);
-    let (point, normal, radius) = ([a, b], [c, d], c);
-    let (centre, axis, half) = (point, normal, [e, f]);
+    let (point, normal, radius) = ((a, b), (c, d), c);
+    let (centre, axis, half) = (point, normal, (e, f));
     let shape = match kind.as_str() {
         "half_plane" => FixtureShape::HalfPlane { point, normal },
         "box" => FixtureShape::Box { centre, axis, half },

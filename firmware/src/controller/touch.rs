@@ -348,10 +348,10 @@ impl<D: Drives> ArmController<D> {
             push.braking
         };
         let damping = braked * touch.braking;
-        let alpha = [-damping * omega1, -damping * omega4];
+        let (alpha1, alpha4) = (-damping * omega1, -damping * omega4);
         // Velocities of zero: the hand feels the arm's own momentum.
-        let [gravity1, gravity4] = model.equations.torques(&links, [0.0; 2], [0.0; 2]);
-        let [torque1, torque4] = model.equations.torques(&links, [0.0; 2], alpha);
+        let [gravity1, gravity4] = model.equations.gravity_by(&links, &pushed.rates);
+        let [mass11, mass14, mass44] = model.equations.mass_by(&links, &pushed.rates);
         let ([friction, walls], [spring1, spring4]) = (touch.shares(self.ticks), pushed.spring);
         let [dry1, dry4] = touch.friction(axis1, axis4, omega);
         let kept = push.kept(omega, fast);
@@ -363,7 +363,10 @@ impl<D: Drives> ArmController<D> {
         let weak = touch.continuous.factor(lasting);
         let (weakened, [damper1, damper4]) = (weak.unwrap_or(1.0), pushed.damper);
         let ([lasting1, lasting4], [drag1, drag4]) = (lasting, push.damper);
-        let (brake1, brake4) = (drag1 + (torque1 - gravity1), drag4 + (torque4 - gravity4));
+        let (brake1, brake4) = (
+            drag1 + mass11 * alpha1 + mass14 * alpha4,
+            drag4 + mass14 * alpha1 + mass44 * alpha4,
+        );
         let all = [
             weakened * lasting1 + walls * damper1 + brake1,
             weakened * lasting4 + walls * damper4 + brake4,

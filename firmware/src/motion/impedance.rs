@@ -10,9 +10,9 @@ pub const FIXTURES: usize = 4;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Impedance {
     /// kxx, kxy, kyy [N/m]: of the spring between the tool and the points.
-    pub stiffness: [f32; 3],
+    pub stiffness: (f32, f32, f32),
     /// dxx, dxy, dyy [N·s/m]: of the damper between them.
-    pub damping: [f32; 3],
+    pub damping: (f32, f32, f32),
 }
 
 /// A wall or a guide.
@@ -34,44 +34,44 @@ pub enum FixtureShape {
     /// A wall: the tool is free on the side to which the normal points.
     HalfPlane {
         /// A point of the wall [m].
-        point: [f32; 2],
+        point: (f32, f32),
         /// Its normal, of any length.
-        normal: [f32; 2],
+        normal: (f32, f32),
     },
     /// A wall: the tool is free inside.
     Box {
         /// Its centre [m].
-        centre: [f32; 2],
+        centre: (f32, f32),
         /// The direction of its first side, of any length.
-        axis: [f32; 2],
+        axis: (f32, f32),
         /// Half of its sides [m].
-        half: [f32; 2],
+        half: (f32, f32),
     },
     /// A wall: the tool is free inside a circle.
     Inside {
         /// Its centre [m].
-        centre: [f32; 2],
+        centre: (f32, f32),
         /// [m].
         radius: f32,
     },
     /// A wall: the tool is free outside of a circle.
     Outside {
         /// Its centre [m].
-        centre: [f32; 2],
+        centre: (f32, f32),
         /// [m].
         radius: f32,
     },
     /// A guide along a line.
     Line {
         /// A point of the line [m].
-        point: [f32; 2],
+        point: (f32, f32),
         /// Its normal, of any length.
-        normal: [f32; 2],
+        normal: (f32, f32),
     },
     /// A guide along a circle.
     Circle {
         /// Its centre [m].
-        centre: [f32; 2],
+        centre: (f32, f32),
         /// [m].
         radius: f32,
     },

@@ -124,20 +124,21 @@ fn stream_config() -> impl Strategy<Value = StreamConfig> {
 }
 
 fn impedance() -> impl Strategy<Value = Impedance> {
-    any::<([f32; 3], [f32; 3])>().prop_map(|(stiffness, damping)| Impedance { stiffness, damping })
+    any::<((f32, f32, f32), (f32, f32, f32))>()
+        .prop_map(|(stiffness, damping)| Impedance { stiffness, damping })
 }
 
 fn fixture() -> impl Strategy<Value = Fixture> {
     (0..6, any::<([f32; 6], f32, f32)>()).prop_map(
         |(kind, ([a, b, c, d, e, f], stiffness, damping))| {
-            let (point, normal, radius) = ([a, b], [c, d], e);
+            let (point, normal, radius) = ((a, b), (c, d), e);
             let centre = point;
             let shape = match kind {
                 0 => FixtureShape::HalfPlane { point, normal },
                 1 => FixtureShape::Box {
                     centre,
                     axis: normal,
-                    half: [e, f],
+                    half: (e, f),
                 },
                 2 => FixtureShape::Inside { centre, radius },
                 3 => FixtureShape::Outside { centre, radius },

@@ -1,7 +1,8 @@
 //! A stream of the mode Impedance: springs, dampers, walls and guides at the tool.
 
 use crate::rig::{Rig, settings, with};
-use fivebar_firmware::controller::Request;
+use fivebar_firmware::controller::{RenderingBounds, Request};
+use fivebar_firmware::drives::BrushedDrives;
 use fivebar_firmware::motion::{
     Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
 };
@@ -18,8 +19,8 @@ const ID: u32 = 6;
 /// A spring of so many N/m and damper of so many N·s/m in all directions.
 fn soft(k: f32, d: f32) -> Impedance {
     Impedance {
-        stiffness: [k, 0.0, k],
-        damping: [d, 0.0, d],
+        stiffness: (k, 0.0, k),
+        damping: (d, 0.0, d),
     }
 }
 
@@ -154,7 +155,7 @@ fn torques(theta: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
 fn a_spring_gives_way_by_the_force_over_its_stiffness() {
     // Softer along one direction.
     let impedance = Impedance {
-        stiffness: [120.0, 30.0, 60.0],
+        stiffness: (120.0, 30.0, 60.0),
         ..soft(0.0, 0.05)
     };
     let mut felt = Felt::begin(&settings(), impedance);
@@ -237,16 +238,16 @@ fn a_wall_stops_a_hand_and_a_guide_pulls_onto_its_line() {
     // Each wall 5 mm away in the direction of the pull; 0.6 N over 150 N/m are 4 mm.
     let walls = [
         FixtureShape::HalfPlane {
-            point: [x, y + 5e-3],
-            normal: [0.0, -3.0],
+            point: (x, y + 5e-3),
+            normal: (0.0, -3.0),
         },
         FixtureShape::Box {
-            centre: [x, y - 0.05],
-            axis: [0.0, 2.0],
-            half: [0.055, 0.1],
+            centre: (x, y - 0.05),
+            axis: (0.0, 2.0),
+            half: (0.055, 0.1),
         },
         FixtureShape::Inside {
-            centre: [x, y - 0.02],
+            centre: (x, y - 0.02),
             radius: 0.025,
         },
     ];
@@ -262,23 +263,23 @@ fn a_wall_stops_a_hand_and_a_guide_pulls_onto_its_line() {
         assert!(felt.tool().y < at.y - 5e-3, "{wall:?}");
     }
     // Along the outside of a circle the tool slides off.
-    let (centre, radius) = ([x, y + 0.025], 0.02);
+    let (centre, radius) = ((x, y + 0.025), 0.02);
     let mut felt = walled(FixtureShape::Outside { centre, radius });
     felt.hand = [0.0, 0.6];
     for _ in 0..60 {
         felt.run(10);
-        let distance = (felt.tool() - Vector2::from(centre.map(f64::from))).norm();
+        let distance = (felt.tool() - Vector2::new(centre.0.into(), centre.1.into())).norm();
         // 0.6 N over 5 mm and the depth δ are at least the energy of the spring, 75 N/m · δ².
         assert!(distance > f64::from(radius) - 0.0115, "{distance} m");
     }
     assert!(felt.tool().y > at.y + 0.02);
     let guides = [
         FixtureShape::Line {
-            point: [x, y + 6e-3],
-            normal: [0.0, 1.0],
+            point: (x, y + 6e-3),
+            normal: (0.0, 1.0),
         },
         FixtureShape::Circle {
-            centre: [x, y - 0.03],
+            centre: (x, y - 0.03),
             radius: 0.036,
         },
     ];
@@ -337,7 +338,7 @@ fn what_is_not_passive_means_nothing_or_pushes_away_is_refused_by_name() {
     // Walls count, too.
     let wall = |stiffness, radius| Fixture {
         shape: FixtureShape::Inside {
-            centre: [0.0, 0.2],
+            centre: (0.0, 0.2),
             radius,
         },
         stiffness,
@@ -363,10 +364,10 @@ fn what_is_not_passive_means_nothing_or_pushes_away_is_refused_by_name() {
         assert_eq!(refused, Err(StreamError::Fixture(place)));
     }
     for stiffness in [
-        [-1.0, 0.0, 50.0],
-        [50.0, 60.0, 50.0],
-        [f32::INFINITY, 0.0, 1.0],
-        [0.0, f32::NAN, 0.0],
+        (-1.0, 0.0, 50.0),
+        (50.0, 60.0, 50.0),
+        (f32::INFINITY, 0.0, 1.0),
+        (0.0, f32::NAN, 0.0),
     ] {
         let impedance = Impedance {
             stiffness,
@@ -379,6 +380,52 @@ fn what_is_not_passive_means_nothing_or_pushes_away_is_refused_by_name() {
         };
         assert_eq!(begin(impedance), Err(StreamError::Matrix), "{stiffness:?}");
     }
+}
+
+/// The greatest stiffness in all directions where the joints are [N/m].
+fn greatest(theta: [f64; 2]) -> f64 {
+    let bounds = RenderingBounds::new::<BrushedDrives>(&settings().check().unwrap());
+    let columns = jacobian(theta).map(|column| column.map(|x| x as f32));
+    bounds.greatest_stiffness(columns)[0].into()
+}
+
+#[test]
+fn where_the_arm_has_more_lever_the_springs_become_softer() {
+    let smooth = with(|settings| {
+        settings
+            .axes
+            .iter_mut()
+            .for_each(|axis| axis.coulomb_friction = 0.0);
+    });
+    let mut rig = Rig::armed(&smooth);
+    let (stiffest, damping) = (greatest(rig.bench.theta), 0.15);
+    let stiff = config(soft(1e4, damping));
+    let Err(StreamError::Stiffness(most)) = rig.planner.begin_stream(&mut rig.controller, &stiff)
+    else {
+        panic!("10,000 N/m are refused");
+    };
+    let mut felt = Felt::over(rig, soft(0.999 * most, damping));
+    felt.run(150);
+    // 20 mm along y.
+    for _ in 0..50 {
+        felt.target[0][1] += 4e-4;
+        felt.run(10);
+    }
+    felt.run(500);
+    let passive = greatest(felt.rig.bench.theta);
+    assert!(passive < 0.94 * stiffest, "{passive} {stiffest}");
+    let mut pulled = |force| {
+        felt.hand = [force, 0.0];
+        felt.run(4000);
+        felt.tool().x
+    };
+    let (right, left) = (pulled(0.2), pulled(-0.2));
+    let stiffness = 0.4 / (right - left);
+    let expected = f64::from(most) * passive / stiffest;
+    assert!(
+        (stiffness / expected - 1.0).abs() < 0.02,
+        "{stiffness} {expected} {most}"
+    );
 }
 
 #[test]

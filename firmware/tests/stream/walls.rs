@@ -105,7 +105,7 @@ fn wall(random: &mut Rand64, tool: Vector2<f64>) -> (usize, FixtureShape, Vector
     let angle = within(random, 0.0, std::f64::consts::TAU);
     let normal = Vector2::new(angle.cos(), angle.sin());
     let left = Vector2::new(-normal.y, normal.x);
-    let pair = |v: Vector2<f64>| [v.x as f32, v.y as f32];
+    let pair = |v: Vector2<f64>| (v.x as f32, v.y as f32);
     let away = within(random, 2e-3, 6e-3);
     let radius = within(random, 0.02, 0.05);
     let face = tool - normal * away;
@@ -119,7 +119,7 @@ fn wall(random: &mut Rand64, tool: Vector2<f64>) -> (usize, FixtureShape, Vector
         1 => FixtureShape::Box {
             centre: pair(face + normal * radius),
             axis: pair(normal),
-            half: [radius as f32, within(random, 5e-3, 0.05) as f32],
+            half: (radius as f32, within(random, 5e-3, 0.05) as f32),
         },
         2 => FixtureShape::Inside {
             centre: pair(face + normal * radius),
@@ -154,7 +154,7 @@ fn energy_out(seed: u64, with_tank: bool) -> (usize, f64) {
             damping: 0.0,
         };
         rig.planner.set_fixture(0, Some(wall))?;
-        let none = [0.0; 3];
+        let none = (0.0, 0.0, 0.0);
         let config = StreamConfig {
             id: 1,
             mode: StreamMode::Impedance(Impedance {

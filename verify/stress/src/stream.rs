@@ -36,8 +36,8 @@ fn impedance(bytes: &mut Bytes<'_>) -> Impedance {
     let (bits, any) = (bytes.word(), bytes.byte() < 32);
     let stiffness = if any { f32::from_bits(bits) } else { k };
     Impedance {
-        stiffness: [stiffness, 0.0, k],
-        damping: [damping, 0.0, damping],
+        stiffness: (stiffness, 0.0, k),
+        damping: (damping, 0.0, damping),
     }
 }
 
@@ -46,8 +46,8 @@ fn wall(bytes: &mut Bytes<'_>) -> Fixture {
     let [x, y] = bytes.pair(-0.1, 0.2);
     Fixture {
         shape: FixtureShape::HalfPlane {
-            point: [x, y],
-            normal: [y, x],
+            point: (x, y),
+            normal: (y, x),
         },
         stiffness: bytes.number(0.0, 60.0),
         damping: 0.0,

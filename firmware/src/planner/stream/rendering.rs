@@ -110,7 +110,7 @@ fn passive(
 }
 
 /// A matrix that pulls back.
-fn checked([xx, xy, yy]: [f32; 3]) -> Result<Symmetric<f32>, StreamError> {
+fn checked((xx, xy, yy): (f32, f32, f32)) -> Result<Symmetric<f32>, StreamError> {
     let matrix = Symmetric { xx, xy, yy };
     let [least, most] = matrix.eigenvalues();
     let is_sound = matrix.is_finite() && least >= -ROUNDING * most && most >= 0.0;
@@ -120,8 +120,8 @@ fn checked([xx, xy, yy]: [f32; 3]) -> Result<Symmetric<f32>, StreamError> {
 /// A wall or a guide as the tick needs it; none if it means nothing.
 fn rendered(fixture: &Fixture) -> Option<VirtualFixture<f32>> {
     const FREE: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
-    let along = |direction: [f32; 2]| {
-        let direction = Vector2::from(direction);
+    let along = |(x, y): (f32, f32)| {
+        let direction = Vector2::new(x, y);
         let length = direction.length();
         let unit = direction * (1.0 / length);
         (length > 0.0 && length.is_finite()).then_some(FixtureAxis::Along(unit))
@@ -135,7 +135,7 @@ fn rendered(fixture: &Fixture) -> Option<VirtualFixture<f32>> {
         FixtureShape::Box {
             centre,
             axis,
-            half: [a, b],
+            half: (a, b),
         } => {
             let is_open = a > 0.0 && b > 0.0 && (a + b).is_finite();
             (centre, along(axis).filter(|_| is_open)?, [[-a, a], [-b, b]])
@@ -151,11 +151,11 @@ fn rendered(fixture: &Fixture) -> Option<VirtualFixture<f32>> {
         }
     };
     let (stiffness, damping) = (fixture.stiffness, fixture.damping);
-    let [x, y] = origin;
+    let (x, y) = origin;
     let is_finite = (x + y + stiffness + damping).is_finite();
     let is_sound = is_finite && stiffness >= 0.0 && damping >= 0.0;
     is_sound.then_some(VirtualFixture {
-        origin: Vector2::from(origin),
+        origin: Vector2::new(x, y),
         axis,
         bounds,
         stiffness,

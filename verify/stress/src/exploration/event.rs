@@ -69,8 +69,8 @@ pub(crate) enum Event {
 
 /// A spring that every arm of brushed motors may render.
 const SPRING: Impedance = Impedance {
-    stiffness: [5.0, 0.0, 5.0],
-    damping: [0.01, 0.0, 0.01],
+    stiffness: (5.0, 0.0, 5.0),
+    damping: (0.01, 0.0, 0.01),
 };
 
 /// All events, those of the board's faults included.
