@@ -4,7 +4,7 @@ use crate::drive::{DriveError, Homing};
 use crate::streaming::{SetPoint, StreamOptions};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{Impedance, StreamMode};
 use fivebar_firmware::safety::{Fault, State};
 
 /// One robot of each kind of drives.
@@ -201,6 +201,42 @@ fn every_kind_follows_a_stream_and_rests_behind_it() {
             assert_eq!(state(&arm), State::Armed, "{name}");
             let off = distance(place(&arm), before);
             assert!(off < 2e-3, "{name} {mode:?}: {off} m");
+        }
+    }
+}
+
+#[test]
+fn an_arm_with_brushed_motors_is_a_spring_and_other_kinds_refuse_with_the_reason() {
+    for name in KINDS {
+        let arm = homed(name);
+        arm.motors_on().unwrap().finish().unwrap();
+        let before = place(&arm);
+        let impedance = Impedance {
+            stiffness: (60.0, 0.0, 60.0),
+            damping: (0.02, 0.0, 0.02),
+        };
+        let options = StreamOptions {
+            mode: StreamMode::Impedance(impedance),
+            rate: 200.0,
+            delay: None,
+            fixtures: [None; 4],
+        };
+        let stream = arm.stream(options).unwrap();
+        let [x, y] = before.map(f64::from);
+        for _ in 0..400 {
+            if !stream.send(SetPoint::at([x, y + 5e-3])) {
+                break;
+            }
+        }
+        let ended = stream.finish();
+        if name == "benchtop" {
+            ended.unwrap();
+            assert_eq!(state(&arm), State::Armed);
+            let moved = f64::from(place(&arm)[1]) - y;
+            assert!((moved - 5e-3).abs() < 5e-4, "{moved} m");
+        } else {
+            let refused = ended.unwrap_err().to_string();
+            assert!(refused.contains("arms with brushed motors"), "{refused}");
         }
     }
 }
