@@ -173,11 +173,10 @@ impl Renderer {
                 energy += push.energy;
             }
         };
-        let [first, second, third, fourth] = &rendered.fixtures;
+        let [first, second, third] = &rendered.fixtures;
         add(first);
         add(second);
         add(third);
-        add(fourth);
         let load = self.bounds.joints.load(demand, tool.jacobian);
         let pose = if load > 1.0 { 1.0 / load } else { 1.0 };
         let risen = rendered.rise + self.per_rise;

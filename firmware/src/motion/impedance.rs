@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The most walls and guides of a stream.
-pub const FIXTURES: usize = 4;
+pub const FIXTURES: usize = 3;
 
 /// The springs and dampers of a stream of the mode Impedance, in the frame of the base.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

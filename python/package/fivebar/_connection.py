@@ -222,7 +222,7 @@ class LiveArm:
 
         stiffness: [N/m], one number, or xx, xy, yy. What is stiffer than the arm can render is refused with the greatest one.
         damping: [N s/m], likewise.
-        fixtures: at most four walls and guides.
+        fixtures: at most three walls and guides.
         rate: points per second [1/s], more than 50.
         """
         return begin(self._connection, stiffness, damping, fixtures, _positive("rate", rate))

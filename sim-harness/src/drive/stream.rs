@@ -235,7 +235,7 @@ mod tests {
             mode: StreamMode::Tip,
             rate: 500.0,
             delay: None,
-            fixtures: [None; 4],
+            fixtures: [None; 3],
         };
         let (mut points, mut stall) = (0_u32, 9_u32);
         let mut given = || match points {

@@ -172,7 +172,7 @@ fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveErro
         mode,
         rate: 200.0,
         delay: None,
-        fixtures: [None; 4],
+        fixtures: [None; 3],
     })?;
     for point in 0..points {
         let time = f64::from(point) / 200.0;
@@ -219,7 +219,7 @@ fn an_arm_with_brushed_motors_is_a_spring_and_other_kinds_refuse_with_the_reason
             mode: StreamMode::Impedance(impedance),
             rate: 200.0,
             delay: None,
-            fixtures: [None; 4],
+            fixtures: [None; 3],
         };
         let stream = arm.stream(options).unwrap();
         let [x, y] = before.map(f64::from);
@@ -253,7 +253,7 @@ fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
             mode,
             rate,
             delay,
-            fixtures: [None; 4],
+            fixtures: [None; 3],
         })
         .unwrap()
     };

@@ -10,7 +10,7 @@ fn streamer(rate: f64, begun: u32) -> Streamer {
         mode: StreamMode::Tip,
         rate,
         delay: None,
-        fixtures: [None; 4],
+        fixtures: [None; 3],
     };
     Streamer::new(options.config(1, TICK_RATE), TICK_RATE, begun)
 }
@@ -31,7 +31,7 @@ fn the_usual_delay_fits_the_controller() {
             mode: StreamMode::Tip,
             rate,
             delay: None,
-            fixtures: [None; 4],
+            fixtures: [None; 3],
         };
         let config = options.config(1, TICK_RATE);
         assert_eq!((config.period, config.delay), (period, delay), "{rate}");
@@ -40,7 +40,7 @@ fn the_usual_delay_fits_the_controller() {
         mode: StreamMode::Tip,
         rate: 1000.0,
         delay: Some(0.01),
-        fixtures: [None; 4],
+        fixtures: [None; 3],
     };
     assert_eq!(options.config(1, TICK_RATE).delay, 100);
 }

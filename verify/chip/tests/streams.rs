@@ -67,7 +67,7 @@ fn options(mode: StreamMode) -> StreamOptions {
         mode,
         rate: 500.0,
         delay: Some(0.03),
-        fixtures: [None; 4],
+        fixtures: [None; 3],
     }
 }
 
