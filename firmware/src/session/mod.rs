@@ -27,6 +27,7 @@ use sampler::Sampler;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 pub use start::fault_at_start;
+use stream::set_fixture;
 
 /// Makes a session in its place, where it lasts as long as the program. A call of its own: so the caller's
 /// stack holds no copy.
@@ -262,10 +263,7 @@ impl Session {
                 planner.end_stream(StreamReason::Asked);
                 Ok(Reply::Done)
             }
-            HostCommand::SetFixture { place, fixture } => planner
-                .set_fixture(place, fixture)
-                .map(|()| Reply::Done)
-                .map_err(CommandError::Stream),
+            HostCommand::SetFixture { place, fixture } => set_fixture(planner, place, fixture),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }
