@@ -1,9 +1,11 @@
 //! The moves that a host can ask for: in the protocol and in the planner's queue.
 
 mod crossing;
+mod impedance;
 mod stream;
 
 pub use crossing::CrossingMove;
+pub use impedance::{FIXTURES, Fixture, FixtureShape, Impedance};
 pub use stream::{StreamConfig, StreamMode, StreamPoint};
 
 use fivebar_kinematics::trajectory::{Curve, TimeLaw};

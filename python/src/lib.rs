@@ -21,6 +21,7 @@ mod simulation;
 mod status;
 mod study;
 mod synthesis;
+mod touch;
 
 /// The module, as Python imports it.
 #[pyo3::pymodule]

@@ -3,9 +3,10 @@
 use crate::error;
 use crate::robot::Robot;
 use crate::simulation::Scenario;
+use crate::touch;
 use fivebar_files::scenario::place_in_job;
 use fivebar_firmware::Status;
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{FIXTURES, Impedance, StreamMode};
 use fivebar_firmware::safety::Fault;
 use fivebar_report::text::next_step;
 use fivebar_sim::controller::{ControllerSource, sentence};
@@ -194,11 +195,39 @@ impl Connection {
             true => StreamMode::Joint,
             false => StreamMode::Tip,
         };
-        let options = StreamOptions { mode, rate, delay };
-        let begun = py.detach(|| self.arm.stream(options));
-        let begun = begun.map_err(|refusal| refused(py, refusal))?;
-        *self.stream.lock().unwrap_or_else(PoisonError::into_inner) = Some(begun);
-        Ok(())
+        let options = StreamOptions {
+            mode,
+            rate,
+            delay,
+            fixtures: [None; FIXTURES],
+        };
+        self.begin(py, options)
+    }
+
+    /// Begins a stream with an impedance: K [N/m] and D [N·s/m] as xx, xy, yy, and walls and guides, each as its kind, its numbers,
+    /// and its stiffness and damping.
+    fn begin_impedance(
+        &self,
+        py: Python<'_>,
+        stiffness: [f64; 3],
+        damping: [f64; 3],
+        fixtures: Vec<(String, [f64; 6], f64, f64)>,
+        rate: f64,
+    ) -> PyResult<()> {
+        self.here(py)?;
+        let fixtures =
+            touch::fixtures(&fixtures).map_err(|refusal| error::controller(py, refusal))?;
+        let single = |values: [f64; 3]| values.map(|value| value as f32).into();
+        let options = StreamOptions {
+            mode: StreamMode::Impedance(Impedance {
+                stiffness: single(stiffness),
+                damping: single(damping),
+            }),
+            rate,
+            delay: None,
+            fixtures,
+        };
+        self.begin(py, options)
     }
 
     /// Gives the next point of the stream; waits until it is due.
@@ -207,9 +236,14 @@ impl Connection {
         py: Python<'_>,
         position: [f64; 2],
         velocity: Option<[f64; 2]>,
+        force: [f64; 2],
     ) -> PyResult<()> {
         self.here(py)?;
-        let point = SetPoint { position, velocity };
+        let point = SetPoint {
+            position,
+            velocity,
+            force,
+        };
         let goes_on = py.detach(|| {
             let stream = self.stream.lock().unwrap_or_else(PoisonError::into_inner);
             stream.as_ref().is_some_and(|stream| stream.send(point))
@@ -258,6 +292,13 @@ impl Connection {
 }
 
 impl Connection {
+    fn begin(&self, py: Python<'_>, options: StreamOptions) -> PyResult<()> {
+        let begun = py.detach(|| self.arm.stream(options));
+        let begun = begun.map_err(|refusal| refused(py, refusal))?;
+        *self.stream.lock().unwrap_or_else(PoisonError::into_inner) = Some(begun);
+        Ok(())
+    }
+
     /// Does a call and waits for its end. A signal or an error of a watcher stops it.
     fn call(
         &self,

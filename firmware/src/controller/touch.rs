@@ -10,13 +10,19 @@
 //! | [walls](fivebar_kinematics::control::Walls) | the arm stays within its angles and away from both kinds of singularity |
 //! | d > 0 above 0.8 of [`SPEED`] | nobody throws the arm |
 //!
+//! With an impedance the controller renders [springs](super::impedance), too. Then only dry friction is fed forward, because the rest of
+//! it is what the bound of the springs counts on, and the springs and forces that drive the arm on are faded out up to [`SPEED`].
+//!
 //! A host keeps it so by points, which come each period. Where none comes for [`TIMEOUT`], or the stream ends, the arm is damped,
 //! d = [`BRAKING`], with all of its torque, and is held [`DAMPED`] later.
 
 use super::ArmController;
+use super::impedance::{Push, Rendered, Renderer, Rendering, ToolState};
+use super::model::AxisModel;
 use super::setpoint::Setpoint;
 use super::tick::TorqueCommand;
 use crate::drives::{Drives, Needs, Stage};
+use crate::motion::StreamPoint;
 use crate::safety::{Event, Fault, Limits, State};
 use crate::settings::CheckedSettings;
 use fivebar_kinematics::PlanarVector;
@@ -95,6 +101,8 @@ pub(super) struct Touch {
     timeout: u32,
     longest: u32,
     per_rise: f32,
+    pub(super) renderer: Renderer,
+    pub(super) rendered: Rendered,
 }
 
 impl Touch {
@@ -131,6 +139,8 @@ impl Touch {
             timeout: ticks(TIMEOUT),
             longest: ticks(DAMPED),
             per_rise: 1.0 / (RISE * control.tick_rate),
+            renderer: Renderer::new::<D>(settings),
+            rendered: Rendered::none(),
         }
     }
 
@@ -159,20 +169,66 @@ impl Touch {
         }
     }
 
-    /// The rate at which the arm loses its speed [1/s], of a tool of this squared speed [m²/s²].
+    /// The share of its braking with which the arm is damped, of a tool of this squared speed [m²/s²].
     #[inline(always)]
-    fn damping(&self, square: f32) -> f32 {
+    fn braked(&self, square: f32) -> f32 {
         if self.phase != TouchPhase::Yields {
-            return self.braking;
+            return 1.0;
         }
         const FREE: f32 = FREE_SPEED * FREE_SPEED * SPEED * SPEED;
         let share = (square - FREE) * (1.0 / (SPEED * SPEED - FREE));
         if share > 1.0 {
-            self.braking
+            1.0
         } else if share > 0.0 {
-            share * self.braking
+            share
         } else {
             0.0
+        }
+    }
+
+    /// What springs and dampers do in this tick.
+    #[inline(always)]
+    fn render(&mut self, tool: &ToolState) -> Push {
+        if !self.rendered.is_on {
+            return Push::NONE;
+        }
+        if self.phase != TouchPhase::Yields {
+            self.rendered.pause(tool.angles);
+            return Push::NONE;
+        }
+        self.renderer.render(&mut self.rendered, tool)
+    }
+
+    /// The friction that is fed forward, before its share [N·m].
+    #[inline(always)]
+    fn friction(
+        &self,
+        axis1: &AxisModel,
+        axis4: &AxisModel,
+        [omega1, omega4]: [f32; 2],
+    ) -> [f32; 2] {
+        if self.rendered.is_on {
+            [axis1.friction.dry(omega1), axis4.friction.dry(omega4)]
+        } else {
+            [axis1.friction.torque(omega1), axis4.friction.torque(omega4)]
+        }
+    }
+
+    /// Tells the tank what springs and dampers give [N·m], and what the limits left of both.
+    #[inline(always)]
+    fn account(
+        &mut self,
+        of_spring: f32,
+        [spring1, spring4]: [f32; 2],
+        of_damper: f32,
+        [damper1, damper4]: [f32; 2],
+    ) {
+        if self.rendered.is_on {
+            let torque = [
+                of_spring * spring1 + of_damper * damper1,
+                of_spring * spring4 + of_damper * damper4,
+            ];
+            self.rendered.demand(&self.renderer.tank, of_spring, torque);
         }
     }
 
@@ -189,11 +245,11 @@ impl Touch {
 }
 
 impl<D: Drives> ArmController<D> {
-    /// Lets a held arm give way.
+    /// Whether a held arm can give way.
     ///
     /// # Errors
-    /// Why it does not; nothing has changed then.
-    pub(crate) fn begin_touch(&mut self) -> Result<(), TouchError> {
+    /// Why it does not.
+    pub(crate) fn check_touch(&self) -> Result<(), TouchError> {
         if D::NEEDS == Needs::Motion {
             return Err(TouchError::NoTorque);
         }
@@ -206,6 +262,17 @@ impl<D: Drives> ArmController<D> {
         if !self.lets_stream() {
             return Err(TouchError::Moving);
         }
+        Ok(())
+    }
+
+    /// Lets a held arm give way, and renders springs if it is told which.
+    ///
+    /// # Errors
+    /// Why it does not; nothing has changed then.
+    pub(crate) fn begin_touch(&mut self, rendering: Option<&Rendering>) -> Result<(), TouchError> {
+        self.check_touch()?;
+        let angles = self.angles();
+        self.touch.rendered.begin(rendering, angles);
         let Touch {
             phase,
             begun,
@@ -231,10 +298,11 @@ impl<D: Drives> ArmController<D> {
     }
 
     /// A point has come: the arm gives way. Returns whether it does: not while it ends.
-    pub(crate) fn feed_touch(&mut self) -> bool {
+    pub(crate) fn feed_touch(&mut self, point: &StreamPoint) -> bool {
         let touch = &mut self.touch;
         let goes_on = touch.phase != TouchPhase::Ends;
         if goes_on {
+            touch.rendered.follow(point);
             touch.phase = TouchPhase::Yields;
             touch.fed_at = self.ticks;
         }
@@ -249,11 +317,7 @@ impl<D: Drives> ArmController<D> {
     /// One tick of an arm that gives way: the torques.
     #[inline(always)]
     pub(super) fn comply(&mut self) -> Result<TorqueCommand, Fault> {
-        let [joint1, joint4] = &self.joints;
-        let [axis1, axis4] = &self.model.axes;
-        let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
-        let (theta1, omega1) = loop1.predict(joint1.angle(), joint1.velocity(), 0.0);
-        let (theta4, omega4) = loop4.predict(joint4.angle(), joint4.velocity(), 0.0);
+        let ([theta1, theta4], [omega1, omega4]) = self.touched();
         let directions = Vector2::units([theta1, theta4]);
         let links = self.measured(directions)?;
         // It is held here if it ends now.
@@ -262,7 +326,7 @@ impl<D: Drives> ArmController<D> {
         self.rest.move_on();
         self.at_rest = self.touch.advance(self.ticks);
 
-        let (model, touch) = (&self.model, &self.touch);
+        let (model, touch) = (&self.model, &mut self.touch);
         let [axis1, axis4] = &model.axes;
         let (tool, omega) = (&model.tool, [omega1, omega4]);
         let pushed = touch
@@ -271,25 +335,67 @@ impl<D: Drives> ArmController<D> {
         self.mode = pushed.mode;
         let [by1, by4] = tool.jacobian_of(&links, &pushed.rates);
         let velocity = by1 * omega1 + by4 * omega4;
-        let damping = touch.damping(velocity.length_squared());
-        let alpha = [-damping * omega1, -damping * omega4];
+        let push = touch.render(&ToolState {
+            angles: [theta1, theta4],
+            place: links.ab + tool.from_b(&links),
+            velocity,
+            jacobian: [by1, by4],
+        });
+        let fast = touch.braked(velocity.length_squared());
+        let braked = if fast > push.braking {
+            fast
+        } else {
+            push.braking
+        };
+        let damping = braked * touch.braking;
+        let (alpha1, alpha4) = (-damping * omega1, -damping * omega4);
         // Velocities of zero: the hand feels the arm's own momentum.
-        let [gravity1, gravity4] = model.equations.torques(&links, [0.0; 2], [0.0; 2]);
-        let [torque1, torque4] = model.equations.torques(&links, [0.0; 2], alpha);
+        let [gravity1, gravity4] = model.equations.gravity_by(&links, &pushed.rates);
+        let [mass11, mass14, mass44] = model.equations.mass_by(&links, &pushed.rates);
         let ([friction, walls], [spring1, spring4]) = (touch.shares(self.ticks), pushed.spring);
-        let (lasting, is_weak) = touch.continuous.apply([
-            gravity1 + friction * axis1.friction.torque(omega1) + walls * spring1,
-            gravity4 + friction * axis4.friction.torque(omega4) + walls * spring4,
-        ]);
-        let ([lasting1, lasting4], [damper1, damper4]) = (lasting, pushed.damper);
-        let (torque, is_limited) = model.torque_limit.apply([
-            lasting1 + walls * damper1 + (torque1 - gravity1),
-            lasting4 + walls * damper4 + (torque4 - gravity4),
-        ]);
-        let limited = is_weak | is_limited;
+        let [dry1, dry4] = touch.friction(axis1, axis4, omega);
+        let kept = push.kept(omega, fast);
+        let ([own1, own4], [host1, host4]) = (push.spring, push.host);
+        let lasting = [
+            gravity1 + friction * dry1 + walls * spring1 + kept * (own1 + host1),
+            gravity4 + friction * dry4 + walls * spring4 + kept * (own4 + host4),
+        ];
+        let weak = touch.continuous.factor(lasting);
+        let (weakened, [damper1, damper4]) = (weak.unwrap_or(1.0), pushed.damper);
+        let ([lasting1, lasting4], [drag1, drag4]) = (lasting, push.damper);
+        let (brake1, brake4) = (
+            drag1 + mass11 * alpha1 + mass14 * alpha4,
+            drag4 + mass14 * alpha1 + mass44 * alpha4,
+        );
+        let all = [
+            weakened * lasting1 + walls * damper1 + brake1,
+            weakened * lasting4 + walls * damper4 + brake4,
+        ];
+        let limited = model.torque_limit.factor(all);
+        let factor = limited.unwrap_or(1.0);
+        touch.account(
+            factor * weakened * kept,
+            [own1, own4],
+            factor,
+            [brake1, brake4],
+        );
         Ok(TorqueCommand {
-            torque,
-            limits: Limits::empty().with(Limits::TORQUE, limited),
+            torque: all.map(|torque| factor * torque),
+            limits: Limits::empty().with(Limits::TORQUE, weak.is_some() | limited.is_some()),
         })
+    }
+
+    /// The joints [rad], [rad/s] for which torques are computed: when these act, or as measured where springs are rendered.
+    #[inline(always)]
+    fn touched(&self) -> ([f32; 2], [f32; 2]) {
+        if self.touch.rendered.is_on {
+            return (self.angles(), self.velocities());
+        }
+        let [joint1, joint4] = &self.joints;
+        let [axis1, axis4] = &self.model.axes;
+        let (loop1, loop4) = (&axis1.servo.position_loop, &axis4.servo.position_loop);
+        let (theta1, omega1) = loop1.predict(joint1.angle(), joint1.velocity(), 0.0);
+        let (theta4, omega4) = loop4.predict(joint4.angle(), joint4.velocity(), 0.0);
+        ([theta1, theta4], [omega1, omega4])
     }
 }

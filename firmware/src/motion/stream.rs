@@ -1,9 +1,10 @@
 //! A stream of set-points: how it begins, and its points.
 
+use super::Impedance;
 use serde::{Deserialize, Serialize};
 
 /// What the points of a stream say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StreamMode {
     /// θ1, θ4 [rad] and their velocities [rad/s].
@@ -12,10 +13,27 @@ pub enum StreamMode {
     Tip,
     /// Nothing: a hand leads the arm, and its points are the host's signs of life.
     Free,
+    /// The other end of a spring and a damper at the tool: x, y in the frame of the base [m] and its velocity [m/s], and a force [N].
+    Impedance(Impedance),
+}
+
+impl StreamMode {
+    /// Whether the arm gives way to forces.
+    pub(crate) fn gives_way(&self) -> bool {
+        match self {
+            Self::Joint | Self::Tip => false,
+            Self::Free | Self::Impedance(_) => true,
+        }
+    }
+
+    /// Whether it renders springs at its points.
+    pub(crate) fn renders(&self) -> bool {
+        matches!(self, Self::Impedance(_))
+    }
 }
 
 /// How a stream of set-points begins, where the arm is held.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StreamConfig {
     /// The host's number for the stream: each point repeats it, so a late point of another stream is not taken.
@@ -41,4 +59,15 @@ pub struct StreamPoint {
     pub position: (f32, f32),
     /// Its velocity [rad/s or m/s].
     pub velocity: (f32, f32),
+    /// A force on the tool in the frame of the base [N]; 0 except with an impedance.
+    pub force: (f32, f32),
+}
+
+impl StreamPoint {
+    /// Whether all its numbers are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        [self.position, self.velocity, self.force]
+            .into_iter()
+            .all(|(first, second)| first.is_finite() && second.is_finite())
+    }
 }

@@ -25,7 +25,7 @@ use crate::controller::{
     ArmController, PlanningSnapshot, QUEUED_SEGMENTS, least_rest, stopping_time,
 };
 use crate::drives::Drives;
-use crate::motion::{Move, MoveKind};
+use crate::motion::{FIXTURES, Fixture, Move, MoveKind};
 use crate::safety::State;
 use crate::settings::{CheckedSettings, Settings, ToolOutputSettings};
 use check::CheckedMove;
@@ -105,6 +105,8 @@ pub struct Planner {
     tick_rate: f32,
     /// The latest stream of set-points.
     stream: Option<Stream>,
+    /// Walls and guides of the next stream with an impedance.
+    fixtures: [Option<Fixture>; FIXTURES],
     /// The controller's path generation when the queue was begun.
     path_generation: u32,
     tool_output: ToolOutputSettings,
@@ -162,6 +164,7 @@ impl Planner {
         evidence: Evidence::NONE,
         tick_rate: 0.0,
         stream: None,
+        fixtures: [None; FIXTURES],
         path_generation: 0,
         tool_output: Settings::BENCHTOP.tool_output,
         least_rest: 0.0,
@@ -197,6 +200,7 @@ impl Planner {
             evidence,
             tick_rate,
             stream,
+            fixtures,
             path_generation,
             tool_output,
             least_rest: least,
@@ -241,6 +245,7 @@ impl Planner {
         *evidence = Evidence::NONE;
         *tick_rate = settings.control.tick_rate;
         *stream = None;
+        *fixtures = [None; FIXTURES];
         *path_generation = 0;
         *tool_output = settings.tool_output;
         *least = least_rest(settings);

@@ -5,7 +5,7 @@ use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
 use crate::drives::BrushedSample;
-use crate::motion::{StreamConfig, StreamPoint};
+use crate::motion::{Fixture, StreamConfig, StreamPoint};
 use crate::recorder::LogConfig;
 use crate::{ArmSample, Move, Request};
 use serde::de::DeserializeOwned;
@@ -83,4 +83,11 @@ pub enum HostCommand<S = BrushedSample> {
     Point(StreamPoint),
     /// Take no more points, and bring the arm to rest behind the last one.
     EndStream,
+    /// Change a wall or a guide of the next stream with an impedance. Those stay until a session begins.
+    SetFixture {
+        /// Which one, less than [`FIXTURES`](crate::motion::FIXTURES).
+        place: u8,
+        /// None: there is none.
+        fixture: Option<Fixture>,
+    },
 }

@@ -27,6 +27,7 @@ use sampler::Sampler;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 pub use start::fault_at_start;
+use stream::set_fixture;
 
 /// Makes a session in its place, where it lasts as long as the program. A call of its own: so the caller's
 /// stack holds no copy.
@@ -156,6 +157,7 @@ impl Session {
     /// Clears the draft and the telemetry of the session before, and ends its stream.
     fn begin_session(&mut self, planner: &mut Planner) {
         planner.end_stream(StreamReason::Stopped);
+        planner.clear_fixtures();
         self.stream_sampler = Sampler::off();
         self.draft = *self.in_use;
         self.sampler = Sampler::off();
@@ -261,6 +263,7 @@ impl Session {
                 planner.end_stream(StreamReason::Asked);
                 Ok(Reply::Done)
             }
+            HostCommand::SetFixture { place, fixture } => set_fixture(planner, place, fixture),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }

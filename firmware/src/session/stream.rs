@@ -3,7 +3,7 @@
 use super::Session;
 use crate::controller::ArmController;
 use crate::drives::{BrushedCommand, Drives};
-use crate::motion::StreamConfig;
+use crate::motion::{Fixture, StreamConfig};
 use crate::planner::Planner;
 use crate::planner::StreamPhase;
 use crate::protocol::{CommandError, ControllerMessage, Frame, Reply, StreamState, encode};
@@ -46,4 +46,15 @@ impl Session {
             torque: sample.torque,
         }))
     }
+}
+
+/// Changes a wall or a guide of the next stream with an impedance.
+pub(super) fn set_fixture<C>(
+    planner: &mut Planner,
+    place: u8,
+    fixture: Option<Fixture>,
+) -> Result<Reply<C>, CommandError> {
+    let changed = planner.set_fixture(place, fixture);
+    changed.map_err(CommandError::Stream)?;
+    Ok(Reply::Done)
 }

@@ -6,7 +6,9 @@ use fivebar_firmware::controller::{
     self, Excitation, ExcitationEnd, Excited, JointReference, Snapshot,
 };
 use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+};
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::planner::{StreamError, StreamPhase, StreamProgress, StreamReason};
 use fivebar_firmware::protocol::{
@@ -97,6 +99,8 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         stream_config().prop_map(HostCommand::BeginStream),
         stream_point().prop_map(HostCommand::Point),
         Just(HostCommand::EndStream),
+        (any::<u8>(), prop::option::of(fixture()))
+            .prop_map(|(place, fixture)| HostCommand::SetFixture { place, fixture }),
     ];
     (any::<u16>(), command).prop_map(|(sequence, command)| HostMessage {
         sequence: Sequence(sequence),
@@ -105,7 +109,12 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
 }
 
 fn stream_config() -> impl Strategy<Value = StreamConfig> {
-    let mode = prop::sample::select(vec![StreamMode::Tip, StreamMode::Joint, StreamMode::Free]);
+    let mode = prop_oneof![
+        Just(StreamMode::Tip),
+        Just(StreamMode::Joint),
+        Just(StreamMode::Free),
+        impedance().prop_map(StreamMode::Impedance),
+    ];
     (mode, any::<(u32, u16, u16)>()).prop_map(|(mode, (id, period, delay))| StreamConfig {
         id,
         mode,
@@ -114,13 +123,47 @@ fn stream_config() -> impl Strategy<Value = StreamConfig> {
     })
 }
 
+fn impedance() -> impl Strategy<Value = Impedance> {
+    any::<((f32, f32, f32), (f32, f32, f32))>()
+        .prop_map(|(stiffness, damping)| Impedance { stiffness, damping })
+}
+
+fn fixture() -> impl Strategy<Value = Fixture> {
+    (0..6, any::<([f32; 6], f32, f32)>()).prop_map(
+        |(kind, ([a, b, c, d, e, f], stiffness, damping))| {
+            let (point, normal, radius) = ((a, b), (c, d), e);
+            let centre = point;
+            let shape = match kind {
+                0 => FixtureShape::HalfPlane { point, normal },
+                1 => FixtureShape::Box {
+                    centre,
+                    axis: normal,
+                    half: (e, f),
+                },
+                2 => FixtureShape::Inside { centre, radius },
+                3 => FixtureShape::Outside { centre, radius },
+                4 => FixtureShape::Line { point, normal },
+                _ => FixtureShape::Circle { centre, radius },
+            };
+            Fixture {
+                shape,
+                stiffness,
+                damping,
+            }
+        },
+    )
+}
+
 fn stream_point() -> impl Strategy<Value = StreamPoint> {
-    any::<(u32, u32, [f32; 2], [f32; 2])>().prop_map(|(id, due, position, velocity)| StreamPoint {
-        id,
-        due,
-        position: position.into(),
-        velocity: velocity.into(),
-    })
+    any::<(u32, u32, [f32; 2], [f32; 2], [f32; 2])>().prop_map(
+        |(id, due, position, velocity, force)| StreamPoint {
+            id,
+            due,
+            position: position.into(),
+            velocity: velocity.into(),
+            force: force.into(),
+        },
+    )
 }
 
 fn stream_state() -> impl Strategy<Value = StreamState> {
@@ -143,6 +186,7 @@ fn stream_state() -> impl Strategy<Value = StreamState> {
         StreamReason::Away(0.25),
         StreamReason::Limit(MoveErrorKind::Overload(4)),
         StreamReason::Silent,
+        StreamReason::Force,
     ]);
     let progress = (
         phase,

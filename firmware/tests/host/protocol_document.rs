@@ -122,6 +122,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
                     due: 100_250,
                     position: (0.0, 0.125),
                     velocity: (0.5, 0.0),
+                    force: (0.0, 0.0),
                 }),
             ),
         ),

@@ -31,6 +31,10 @@ fn every_end_of_a_stream_reads_as_a_sentence() {
         StreamError::NoTorque,
         StreamError::Belts,
         StreamError::LateTorque,
+        StreamError::Matrix,
+        StreamError::Fixture(2),
+        StreamError::Stiffness(250.0),
+        StreamError::Damping(0.125),
     ];
     differ(&begun.map(|error| error.to_string()));
     let texts = [
@@ -45,6 +49,7 @@ fn every_end_of_a_stream_reads_as_a_sentence() {
         StreamReason::Away(0.25),
         StreamReason::Limit(MoveErrorKind::Overload(4)),
         StreamReason::Silent,
+        StreamReason::Force,
     ]
     .map(|reason| reason.to_string());
     differ(&texts);

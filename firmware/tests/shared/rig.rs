@@ -139,6 +139,11 @@ impl Bench {
         }
     }
 
+    /// Makes the motors and joints differ from what the controller's settings state.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut Settings)) {
+        change(&mut self.settings);
+    }
+
     /// The samples of this instant.
     pub(crate) fn sense(&self) -> SensorSample {
         let axes = &self.settings.axes;

@@ -262,7 +262,9 @@ fn the_arm_stops_before_a_point_beyond_a_limit() {
                 [f64::from(START[0]) + way(t), f64::from(START[1])],
                 [speed(t), 0.0],
             ],
-            StreamMode::Tip | StreamMode::Free => [[x, y + way(t)], [0.0, speed(t)]],
+            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => {
+                [[x, y + way(t)], [0.0, speed(t)]]
+            }
         };
         for ms in 0..2000 {
             if stream.phase() == StreamPhase::Ends {

@@ -141,7 +141,7 @@ fn the_lag_is_the_delay_in_both_modes_and_for_every_period() {
         let tool = sine(stream.rig.tool_position());
         let turn = sine(crate::rig::START);
         let motion: Motion<'_> = match mode {
-            StreamMode::Tip | StreamMode::Free => &tool,
+            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => &tool,
             StreamMode::Joint => &turn,
         };
         let (mut worst, mut fastest) = (0.0_f64, 0.0_f64);
@@ -157,7 +157,9 @@ fn the_lag_is_the_delay_in_both_modes_and_for_every_period() {
                 }
                 let [[at, _], [rate, _]] = motion(time - LAG);
                 let found = match mode {
-                    StreamMode::Tip | StreamMode::Free => status.reference.expect("a reference")[0],
+                    StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => {
+                        status.reference.expect("a reference")[0]
+                    }
                     StreamMode::Joint => status.joint_reference.expect("a reference").angle[0],
                 };
                 worst = worst.max((f64::from(found) - at).abs());

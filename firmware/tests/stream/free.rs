@@ -43,6 +43,7 @@ impl Led {
             due: 0,
             position: (0.0, 0.0),
             velocity: (0.0, 0.0),
+            force: (0.0, 0.0),
         };
         self.rig.controller.feed_host_timeout();
         self.rig

@@ -69,6 +69,7 @@ impl Streaming {
             due: self.begun + ms * MS + u32::from(self.config.delay),
             position: position.map(|value| value as f32).into(),
             velocity: velocity.map(|value| value as f32).into(),
+            force: (0.0, 0.0),
         };
         self.n = self.n.wrapping_add(1);
         (self.n, point)

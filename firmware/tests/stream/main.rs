@@ -8,3 +8,5 @@ mod host;
 mod cases;
 mod following;
 mod free;
+mod impedance;
+mod walls;

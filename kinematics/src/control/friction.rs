@@ -42,6 +42,12 @@ impl<S: Scalar> FrictionCompensation<S> {
     pub fn torque(&self, velocity: S) -> S {
         velocity * (self.viscous + self.coulomb / (velocity.abs() + self.smoothing))
     }
+
+    /// The part of it that does not grow with the velocity [N·m].
+    #[inline(always)]
+    pub fn dry(&self, velocity: S) -> S {
+        velocity * (self.coulomb / (velocity.abs() + self.smoothing))
+    }
 }
 
 #[cfg(test)]
@@ -54,6 +60,7 @@ mod tests {
         assert_eq!(friction.torque(0.0), 0.0);
         assert!((friction.torque(0.01) - (0.15 + 0.0002)).abs() < 1e-12);
         assert_eq!(friction.torque(-1.7), -friction.torque(1.7));
+        assert!((friction.torque(1.7) - friction.dry(1.7) - 0.02 * 1.7).abs() < 1e-12);
         assert!((friction.torque(10.0) - (0.3 + 0.2)).abs() < 1e-3);
     }
 

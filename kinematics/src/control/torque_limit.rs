@@ -20,16 +20,22 @@ impl<S: Scalar> TorqueLimit<S> {
     /// is kept; and whether they were scaled.
     #[inline(always)]
     pub fn apply(&self, torque: [S; 2]) -> ([S; 2], bool) {
-        let [torque1, torque4] = torque;
+        match self.factor(torque) {
+            Some(factor) => (torque.map(|torque| torque * factor), true),
+            None => (torque, false),
+        }
+    }
+
+    /// By how much the torques are scaled if one exceeds its limit.
+    #[inline(always)]
+    pub fn factor(&self, [torque1, torque4]: [S; 2]) -> Option<S> {
         let [limit1, limit4] = self.0;
         let (size1, size4) = (torque1.abs(), torque4.abs());
-        if size1 > limit1 || size4 > limit4 {
+        (size1 > limit1 || size4 > limit4).then(|| {
             // A torque of zero has an infinite share.
             let (share1, share4) = (limit1 / size1, limit4 / size4);
-            let factor = if share1 < share4 { share1 } else { share4 };
-            return ([torque1 * factor, torque4 * factor], true);
-        }
-        (torque, false)
+            if share1 < share4 { share1 } else { share4 }
+        })
     }
 }
 

@@ -28,7 +28,7 @@
 //! τ4 = J4 α4 + c43 α3 − x43 ω3² − r4·G4 + ω24 k2 + ω34 k3.
 
 use super::Arm;
-use crate::five_bar::Links;
+use crate::five_bar::{Links, PartialRates};
 use crate::{PlanarVector, Scalar};
 use nalgebra::Vector2;
 
@@ -113,6 +113,27 @@ impl<S: Scalar> BaseParameterModel<S> {
         let omega24 = -cross34 * per_cross;
         let omega31 = cross21 * per_cross;
         let omega34 = r4.cross_z(r2) * per_cross;
+        self.mass_by(
+            links,
+            &PartialRates {
+                link2: [omega21, omega24],
+                link3: [omega31, omega34],
+            },
+        )
+    }
+
+    /// As [`Self::mass`], where the links' rates are known.
+    #[inline(always)]
+    pub fn mass_by(&self, links: &Links<S>, rates: &PartialRates<S>) -> [S; 3] {
+        let Links {
+            ab: r1,
+            bc: r2,
+            dc: r3,
+            ed: r4,
+            ..
+        } = *links;
+        let (cross21, cross34) = (r2.cross_z(r1), r3.cross_z(r4));
+        let ([omega21, omega24], [omega31, omega34]) = (rates.link2, rates.link3);
         let [[p2, q2], [p3, q3]] = self.first.map(Into::into);
         let c12 = p2 * r1.dot(&r2) + q2 * cross21;
         let c43 = p3 * r4.dot(&r3) + q3 * cross34;
@@ -122,6 +143,26 @@ impl<S: Scalar> BaseParameterModel<S> {
             j1 + omega21 * (c12 + k21) + j3 * omega31 * omega31,
             omega24 * k21 + omega31 * k31,
             j4 + omega34 * (c43 + k31) + j2 * omega24 * omega24,
+        ]
+    }
+
+    /// The driving torques [τ1, τ4] [N·m] that hold the arm at rest, where the links' rates are known: what [`Self::torques`]
+    /// gives without velocities and accelerations.
+    #[inline(always)]
+    pub fn gravity_by(&self, links: &Links<S>, rates: &PartialRates<S>) -> [S; 2] {
+        let Links {
+            ab: r1,
+            bc: r2,
+            dc: r3,
+            ed: r4,
+            ..
+        } = *links;
+        let ([omega21, omega24], [omega31, omega34]) = (rates.link2, rates.link3);
+        let [g1, g2, g3, g4] = self.weight;
+        let (k2, k3) = (r2.dot(&g2), r3.dot(&g3));
+        [
+            -(r1.dot(&g1) + omega21 * k2 + omega31 * k3),
+            -(r4.dot(&g4) + omega24 * k2 + omega34 * k3),
         ]
     }
 
@@ -171,5 +212,45 @@ impl<S: Scalar> BaseParameterModel<S> {
                 + omega24 * k2
                 + omega34 * k3,
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::Link;
+    use crate::five_bar::{Geometry, Side};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Where the links' rates are known, gravity is what the torques are at rest, and the mass matrix what they add.
+        #[test]
+        fn known_rates_give_the_parts_of_the_torques(
+            theta1 in 1.2..2.8_f64, theta4 in 0.2..1.8_f64, alpha in prop::array::uniform2(-50.0..50.0_f64),
+        ) {
+            let geometry = Geometry::new([0.10, 0.16, 0.15, 0.11, 0.08]).unwrap();
+            let links = [0.10, 0.16, 0.15, 0.11].map(|length| Link {
+                com: Vector2::new(0.4 * length, 0.1 * length),
+                ..Link::uniform_rod(0.06, length)
+            });
+            let arm = Arm::new(geometry, links, 0.03, Vector2::new(1.0, -9.81), [2e-5; 2]).unwrap();
+            let model = BaseParameterModel::new(&arm);
+            let [u1, u4] = Vector2::units([theta1, theta4]);
+            let links = geometry.links(u1, u4, Side::Left);
+            prop_assume!(links.is_ok_and(|links| links.cross.abs() > 0.004));
+            let links = links.unwrap();
+            let rates = links.partial_rates();
+            let (gravity, [m11, m14, m44]) = (model.gravity_by(&links, &rates), model.mass_by(&links, &rates));
+            let (rest, torque) = (model.torques(&links, [0.0; 2], [0.0; 2]), model.torques(&links, [0.0; 2], alpha));
+            let sum = [
+                gravity[0] + m11 * alpha[0] + m14 * alpha[1],
+                gravity[1] + m14 * alpha[0] + m44 * alpha[1],
+            ];
+            for joint in 0..2 {
+                prop_assert!((gravity[joint] - rest[joint]).abs() < 1e-12);
+                prop_assert!((sum[joint] - torque[joint]).abs() < 1e-10);
+                prop_assert!(rest[joint].abs() > 1e-6);
+            }
+        }
     }
 }

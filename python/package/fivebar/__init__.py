@@ -49,6 +49,7 @@ from ._status import Side, Status
 from ._stream import Stream
 from ._synthesis import Design, design, dexterities
 from ._teaching import TaughtPath
+from ._touch import Fixture, Impedance
 
 __all__ = [
     "Arm",
@@ -58,9 +59,11 @@ __all__ = [
     "Design",
     "FaultError",
     "FivebarError",
+    "Fixture",
     "Forward",
     "ForwardDynamics",
     "Found",
+    "Impedance",
     "InvalidError",
     "Inverse",
     "InverseDynamics",

@@ -15,6 +15,7 @@ from ._errors import FivebarError
 from ._shapes import pair
 from ._simulation import scenario_of
 from ._stream import Stream
+from ._touch import Fixture, Impedance, begin
 from ._teaching import TaughtPath
 
 Pair = Tuple[float, float]
@@ -197,6 +198,34 @@ class LiveArm:
         away from singularities. Arms on steppers, hobby servos, a CAN bus and belts refuse. See ``docs/use/streaming.md``.
         """
         return TaughtPath(self._connection.be_led(_positive("seconds", seconds)))
+
+    def impedance(
+        self,
+        stiffness: Union[float, Sequence[float]],
+        damping: Union[float, Sequence[float]] = 0.0,
+        fixtures: Sequence[Fixture] = (),
+        *,
+        rate: float = 200.0,
+    ) -> Impedance:
+        """Makes the tip a spring whose end the program moves; the motors are on. See ``docs/use/streaming.md``.
+
+        >>> import fivebar
+        >>> with fivebar.connect("simulated", robot="benchtop", real_time=False) as arm:
+        ...     arm.home()
+        ...     arm.motors_on()
+        ...     x, y = arm.state.tool
+        ...     with arm.impedance(80.0, 0.02) as spring:
+        ...         for k in range(400):  # 2 s
+        ...             spring.tip(x, y + 0.01)
+        ...     print(round(arm.state.tool[1] - y, 3))
+        0.01
+
+        stiffness: [N/m], one number, or xx, xy, yy. What is stiffer than the arm can render is refused with the greatest one.
+        damping: [N s/m], likewise.
+        fixtures: at most three walls and guides.
+        rate: points per second [1/s], more than 50.
+        """
+        return begin(self._connection, stiffness, damping, fixtures, _positive("rate", rate))
 
     def replay(self, path: TaughtPath, *, speed: float = 1.0) -> None:
         """Does a taught motion again, at this multiple of its speed, 0.05 to 5. It is checked as a whole before anything moves.

@@ -142,8 +142,18 @@ class Connection:
         on_pause: Optional[Callable[[str], None]],
     ) -> List[str]: ...
     def begin_stream(self, joints: bool, rate: float, delay: Optional[float]) -> None: ...
+    def begin_impedance(
+        self,
+        stiffness: Sequence[float],
+        damping: Sequence[float],
+        fixtures: Sequence[Tuple[str, Sequence[float], float, float]],
+        rate: float,
+    ) -> None: ...
     def stream_point(
-        self, position: Sequence[float], velocity: Optional[Sequence[float]]
+        self,
+        position: Sequence[float],
+        velocity: Optional[Sequence[float]],
+        force: Sequence[float],
     ) -> None: ...
     def end_stream(self) -> None: ...
     def be_led(self, seconds: float) -> str: ...

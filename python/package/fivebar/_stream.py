@@ -63,6 +63,7 @@ class Stream:
         self._connection.stream_point(
             _floats("position", position),
             None if rates is None else _floats("velocity", rates),
+            [0.0, 0.0],
         )
 
     def __enter__(self) -> Stream:

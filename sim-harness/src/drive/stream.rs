@@ -35,7 +35,21 @@ impl<C: Controlled> Drive<'_, C> {
         given: &mut dyn FnMut() -> Given,
     ) -> Result<(), DriveError> {
         let config = options.config(self.fault_free_status()?.tick, tick_rate);
+        if let StreamMode::Impedance(_) = options.mode {
+            for (place, fixture) in (0..).zip(options.fixtures) {
+                let command = HostCommand::SetFixture { place, fixture };
+                self.command("set a wall or a guide", command)?;
+            }
+        }
         self.begin_when_free(config)?;
+        if let StreamMode::Impedance(_) = options.mode {
+            let felt = self.feel(&config, given);
+            if felt.is_err() {
+                self.bring_to_rest()?;
+                return felt;
+            }
+            return self.end_stream();
+        }
         let tick = self.fault_free_status()?.tick;
         let mut streamer = Streamer::new(config, tick_rate, tick);
         let streamed = self.stream_points(options.mode, &mut streamer, given);
@@ -152,7 +166,7 @@ impl<C: Controlled> Drive<'_, C> {
     }
 
     /// The state of the stream that the controller told last, if it told one since the last call.
-    fn latest_state(&mut self) -> Option<StreamState> {
+    pub(super) fn latest_state(&mut self) -> Option<StreamState> {
         let client = self.controller.client();
         std::iter::from_fn(|| client.take_stream_state()).last()
     }
@@ -175,7 +189,7 @@ impl<C: Controlled> Drive<'_, C> {
 fn place(mode: StreamMode, status: &Status) -> Option<[f64; 2]> {
     let place = match mode {
         StreamMode::Joint => held_angles(status),
-        StreamMode::Tip | StreamMode::Free => status.reference,
+        StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => status.reference,
     };
     place.map(|place| place.map(f64::from))
 }
@@ -224,6 +238,7 @@ mod tests {
             mode: StreamMode::Tip,
             rate: 500.0,
             delay: None,
+            fixtures: [None; 3],
         };
         let (mut points, mut stall) = (0_u32, 9_u32);
         let mut given = || match points {
@@ -235,10 +250,7 @@ mod tests {
             _ => {
                 let position = motion(f64::from(points) * 2e-3);
                 points += 1;
-                Given::Point(SetPoint {
-                    position,
-                    velocity: None,
-                })
+                Given::Point(SetPoint::at(position))
             }
         };
         drive.follow_stream(&options, 10_000.0, &mut given).unwrap();

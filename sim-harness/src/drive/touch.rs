@@ -1,6 +1,8 @@
-//! An arm that a hand leads: its points keep it so, and what it tells is the record.
+//! An arm that gives way: a hand leads it, and what it tells is the record; or a program's points are the ends of its springs.
 
+use super::stream::{Given, ended};
 use super::{Controlled, Drive, DriveError};
+use crate::streaming::SetPoint;
 use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
 use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::protocol::StreamState;
@@ -48,6 +50,7 @@ impl<C: Controlled> Drive<'_, C> {
                 due: 0,
                 position: (0.0, 0.0),
                 velocity: (0.0, 0.0),
+                force: (0.0, 0.0),
             };
             self.controller.client().send_point(n, &point)?;
             self.controller.pass_time()?;
@@ -57,7 +60,7 @@ impl<C: Controlled> Drive<'_, C> {
                 }
                 if let StreamPhase::Ends | StreamPhase::Ended = state.progress.phase {
                     self.fault_free_status()?;
-                    return Err(super::stream::ended(Some(state)));
+                    return Err(ended(Some(state)));
                 }
                 if !each(&state) {
                     return Ok(());
@@ -67,5 +70,54 @@ impl<C: Controlled> Drive<'_, C> {
                 return Ok(());
             }
         }
+    }
+
+    /// Sends the points of a program to an arm with an impedance, each a period after the one before, until it ends the stream.
+    /// Where it gives none the arm is damped, and then held.
+    pub(super) fn feel(
+        &mut self,
+        config: &StreamConfig,
+        given: &mut dyn FnMut() -> Given,
+    ) -> Result<(), DriveError> {
+        let mut tick = self.fault_free_status()?.tick;
+        let (mut due, mut n) = (tick, 0_u16);
+        loop {
+            if (self.wants_stop)() {
+                return Err(DriveError::Stopped(None));
+            }
+            if let Some(state) = self.latest_state() {
+                tick = state.tick;
+                if let StreamPhase::Ends | StreamPhase::Ended = state.progress.phase {
+                    self.fault_free_status()?;
+                    return Err(ended(Some(state)));
+                }
+            }
+            if (tick.wrapping_sub(due) as i32) < 0 {
+                self.controller.pass_time()?;
+                continue;
+            }
+            match given() {
+                Given::Point(point) => {
+                    n = n.wrapping_add(1);
+                    let point = spring_end(config.id, &point);
+                    self.controller.client().send_point(n, &point)?;
+                    due = tick.wrapping_add(config.period.into());
+                }
+                Given::Nothing => self.controller.pass_time()?,
+                Given::End => return Ok(()),
+            }
+        }
+    }
+}
+
+/// A program's point as the end of a spring, which rests if no velocity is given.
+fn spring_end(id: u32, point: &SetPoint) -> StreamPoint {
+    let single = |values: [f64; 2]| values.map(|value| value as f32).into();
+    StreamPoint {
+        id,
+        due: 0,
+        position: single(point.position),
+        velocity: single(point.velocity.unwrap_or_default()),
+        force: single(point.force),
     }
 }

@@ -4,7 +4,7 @@ use crate::drive::{DriveError, Homing};
 use crate::streaming::{SetPoint, StreamOptions};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{Impedance, StreamMode};
 use fivebar_firmware::safety::{Fault, State};
 
 /// One robot of each kind of drives.
@@ -164,7 +164,7 @@ fn a_job_that_finds_the_motors_off_leaves_them_off_and_one_that_finds_them_on_le
 fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveError> {
     let status = arm.progress().status;
     let from = match mode {
-        StreamMode::Tip | StreamMode::Free => status.tool.unwrap(),
+        StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => status.tool.unwrap(),
         StreamMode::Joint => status.angle,
     };
     let scale = [0.02, 2e-3][usize::from(mode == StreamMode::Tip)];
@@ -172,6 +172,7 @@ fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveErro
         mode,
         rate: 200.0,
         delay: None,
+        fixtures: [None; 3],
     })?;
     for point in 0..points {
         let time = f64::from(point) / 200.0;
@@ -182,10 +183,7 @@ fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveErro
             f64::from(from[0]) + scale * (1.0 - cosine),
             f64::from(from[1]) + scale * sine,
         ];
-        if !stream.send(SetPoint {
-            position,
-            velocity: None,
-        }) {
+        if !stream.send(SetPoint::at(position)) {
             break;
         }
     }
@@ -208,6 +206,42 @@ fn every_kind_follows_a_stream_and_rests_behind_it() {
 }
 
 #[test]
+fn an_arm_with_brushed_motors_is_a_spring_and_other_kinds_refuse_with_the_reason() {
+    for name in KINDS {
+        let arm = homed(name);
+        arm.motors_on().unwrap().finish().unwrap();
+        let before = place(&arm);
+        let impedance = Impedance {
+            stiffness: (60.0, 0.0, 60.0),
+            damping: (0.02, 0.0, 0.02),
+        };
+        let options = StreamOptions {
+            mode: StreamMode::Impedance(impedance),
+            rate: 200.0,
+            delay: None,
+            fixtures: [None; 3],
+        };
+        let stream = arm.stream(options).unwrap();
+        let [x, y] = before.map(f64::from);
+        for _ in 0..400 {
+            if !stream.send(SetPoint::at([x, y + 5e-3])) {
+                break;
+            }
+        }
+        let ended = stream.finish();
+        if name == "benchtop" {
+            ended.unwrap();
+            assert_eq!(state(&arm), State::Armed);
+            let moved = f64::from(place(&arm)[1]) - y;
+            assert!((moved - 5e-3).abs() < 5e-4, "{moved} m");
+        } else {
+            let refused = ended.unwrap_err().to_string();
+            assert!(refused.contains("arms with brushed motors"), "{refused}");
+        }
+    }
+}
+
+#[test]
 fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
     let arm = homed("benchtop");
     let off = streamed(&arm, StreamMode::Tip, 5).unwrap_err();
@@ -215,13 +249,16 @@ fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
     arm.motors_on().unwrap().finish().unwrap();
     let stream = |mode| {
         let (rate, delay) = (200.0, None);
-        arm.stream(StreamOptions { mode, rate, delay }).unwrap()
+        arm.stream(StreamOptions {
+            mode,
+            rate,
+            delay,
+            fixtures: [None; 3],
+        })
+        .unwrap()
     };
     let [x, y] = place(&arm).map(f64::from);
-    let along = |way: f64| SetPoint {
-        position: [x + way, y],
-        velocity: None,
-    };
+    let along = |way: f64| SetPoint::at([x + way, y]);
 
     let begun = stream(StreamMode::Tip);
     let mut way = 0.0;

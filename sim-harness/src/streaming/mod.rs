@@ -8,7 +8,7 @@ mod approach;
 mod pacer;
 
 use approach::Approach;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{FIXTURES, Fixture, StreamConfig, StreamMode, StreamPoint};
 use pacer::Pacer;
 
 /// The number of points for which the controller has room in a delay.
@@ -27,6 +27,8 @@ pub struct StreamOptions {
     pub rate: f64,
     /// The time from a point to the arm's being there [s]; none: 40 ms or three periods, if there is room for that.
     pub delay: Option<f64>,
+    /// Walls and guides of a stream with an impedance.
+    pub fixtures: [Option<Fixture>; FIXTURES],
 }
 
 /// A set-point of a program.
@@ -36,6 +38,19 @@ pub struct SetPoint {
     pub position: [f64; 2],
     /// Its velocity [rad/s or m/s]; none: by the points before and behind it.
     pub velocity: Option<[f64; 2]>,
+    /// A force on the tool [N]; 0 but with an impedance.
+    pub force: [f64; 2],
+}
+
+impl SetPoint {
+    /// A position [rad or m] alone.
+    pub fn at(position: [f64; 2]) -> Self {
+        Self {
+            position,
+            velocity: None,
+            force: [0.0; 2],
+        }
+    }
 }
 
 impl StreamOptions {
@@ -148,6 +163,7 @@ impl Streamer {
                 .map(|k| (position[k] + later * velocity[k]) as f32)
                 .into(),
             velocity: velocity.map(|value| value as f32).into(),
+            force: (0.0, 0.0),
         };
         (self.n, point)
     }

@@ -10,15 +10,13 @@ fn streamer(rate: f64, begun: u32) -> Streamer {
         mode: StreamMode::Tip,
         rate,
         delay: None,
+        fixtures: [None; 3],
     };
     Streamer::new(options.config(1, TICK_RATE), TICK_RATE, begun)
 }
 
 fn at(time: f64) -> SetPoint {
-    SetPoint {
-        position: [0.1 * time, 0.02 * (3.0 * time).sin()],
-        velocity: None,
-    }
+    SetPoint::at([0.1 * time, 0.02 * (3.0 * time).sin()])
 }
 
 #[test]
@@ -33,6 +31,7 @@ fn the_usual_delay_fits_the_controller() {
             mode: StreamMode::Tip,
             rate,
             delay: None,
+            fixtures: [None; 3],
         };
         let config = options.config(1, TICK_RATE);
         assert_eq!((config.period, config.delay), (period, delay), "{rate}");
@@ -41,6 +40,7 @@ fn the_usual_delay_fits_the_controller() {
         mode: StreamMode::Tip,
         rate: 1000.0,
         delay: Some(0.01),
+        fixtures: [None; 3],
     };
     assert_eq!(options.config(1, TICK_RATE).delay, 100);
 }

@@ -31,10 +31,7 @@ fn program(points: u32, mut at: impl FnMut(f64) -> [f64; 2]) -> impl FnMut() -> 
             return Given::End;
         }
         let smooth = share * share * (3.0 - 2.0 * share);
-        Given::Point(SetPoint {
-            position: at(smooth),
-            velocity: None,
-        })
+        Given::Point(SetPoint::at(at(smooth)))
     }
 }
 
@@ -70,6 +67,7 @@ fn options(mode: StreamMode) -> StreamOptions {
         mode,
         rate: 500.0,
         delay: Some(0.03),
+        fixtures: [None; 3],
     }
 }
 
@@ -156,10 +154,12 @@ fn points_that_cannot_be_followed_are_refused_with_their_reason_and_the_third_en
             due: status.tick + 400,
             position: (theta1, theta4),
             velocity: (0.0, 0.0),
+            force: (0.0, 0.0),
         };
         let wrong = match mistake {
             0 => StreamPoint {
                 velocity: (f32::NAN, 0.0),
+                force: (0.0, 0.0),
                 ..right
             },
             1 => StreamPoint {

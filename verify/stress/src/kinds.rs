@@ -76,7 +76,8 @@ pub(crate) fn kind_of(command: &HostCommand) -> usize {
             MoveKind::Crossing(_) => 27,
         },
         HostCommand::BoardTest(_) => 28,
-        HostCommand::BeginStream(_) => 29,
+        // Walls are set where a stream begins.
+        HostCommand::BeginStream(_) | HostCommand::SetFixture { .. } => 29,
         HostCommand::Point(_) => 30,
         HostCommand::EndStream => 31,
     }

@@ -2,7 +2,9 @@
 
 use crate::bytes::Bytes;
 use crate::timed::Tool;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+};
 
 /// Ticks of a period.
 const PERIOD: u16 = 20;
@@ -11,6 +13,8 @@ const PERIOD: u16 = 20;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StreamRun {
     config: StreamConfig,
+    /// A wall that is set before.
+    pub(crate) wall: Option<Fixture>,
     /// Half of the way [m].
     amplitude: [f32; 2],
     /// [rad/s].
@@ -25,15 +29,43 @@ pub(crate) struct StreamRun {
     pub(crate) ends: bool,
 }
 
+/// A spring that most arms may render, or one whose bits may be anything.
+fn impedance(bytes: &mut Bytes<'_>) -> Impedance {
+    let [k, d] = bytes.pair(0.0, 100.0);
+    let damping = 1e-3 * d;
+    let (bits, any) = (bytes.word(), bytes.byte() < 32);
+    let stiffness = if any { f32::from_bits(bits) } else { k };
+    Impedance {
+        stiffness: (stiffness, 0.0, k),
+        damping: (damping, 0.0, damping),
+    }
+}
+
+/// A wall somewhere in the tool's work.
+fn wall(bytes: &mut Bytes<'_>) -> Fixture {
+    let [x, y] = bytes.pair(-0.1, 0.2);
+    Fixture {
+        shape: FixtureShape::HalfPlane {
+            point: (x, y),
+            normal: (y, x),
+        },
+        stiffness: bytes.number(0.0, 60.0),
+        damping: 0.0,
+    }
+}
+
 impl StreamRun {
     pub(crate) fn from_bytes(bytes: &mut Bytes<'_>) -> Self {
         let mode = match bytes.byte() {
             0..=99 => StreamMode::Tip,
             100..=199 => StreamMode::Joint,
-            200..=255 => StreamMode::Free,
+            200..=224 => StreamMode::Free,
+            225..=255 => StreamMode::Impedance(impedance(bytes)),
         };
+        let wall = matches!(mode, StreamMode::Impedance(_)).then(|| wall(bytes));
         let how = bytes.byte();
         Self {
+            wall,
             config: StreamConfig {
                 id: bytes.byte().into(),
                 mode,
@@ -67,7 +99,7 @@ impl StreamRun {
         let time = f32::from(n) * f32::from(PERIOD) * 1e-4;
         let (sine, cosine) = (self.rate * time).sin_cos();
         let (from, scale) = match self.config.mode {
-            StreamMode::Tip | StreamMode::Free => (tool, 1.0),
+            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => (tool, 1.0),
             // Per metre of the tool about so many radians.
             StreamMode::Joint => (joints, 10.0),
         };
@@ -78,6 +110,7 @@ impl StreamRun {
             due: begun + u32::from(n) * u32::from(PERIOD) + u32::from(self.config.delay),
             position: (at(0), at(1)),
             velocity: (rate(0), rate(1)),
+            force: (0.0, 0.0),
         };
         let (place, bits) = self.mistake;
         if u16::from(place) * 4 == n {

@@ -98,7 +98,7 @@ impl Case {
         let (way, rate) = ((time - sine / w) / w, (1.0 - cosine) / w);
         let (from, scale) = match self.mode {
             StreamMode::Joint => (self.start, 1.0),
-            StreamMode::Tip | StreamMode::Free => (tool, 0.1),
+            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => (tool, 0.1),
         };
         let along = |axis: usize| scale * self.push[axis];
         [
@@ -154,6 +154,7 @@ impl Case {
                     due,
                     position: position.into(),
                     velocity: velocity.into(),
+                    force: (0.0, 0.0),
                 };
                 planner.take_point(&mut controller, (ticks / self.period) as u16, &point);
             }

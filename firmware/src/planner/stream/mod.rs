@@ -8,6 +8,7 @@
 
 mod piece;
 mod progress;
+mod rendering;
 mod touch;
 
 use super::{Planner, PlanningSnapshot};
@@ -157,9 +158,7 @@ impl Planner {
         if !(fits && least <= delay && delay <= most) {
             return Err(StreamError::Rate);
         }
-        if config.mode == StreamMode::Free {
-            controller.lock(ArmController::begin_touch)?;
-        }
+        self.begin_touch(controller, snapshot.hold, &config.mode)?;
         // The arm goes on from where it is held, and so does what comes behind the stream.
         self.end = None;
         self.in_motion = None;
@@ -200,7 +199,9 @@ impl Planner {
             StreamMode::Joint | StreamMode::Tip => {
                 self.follow_point(controller, &snapshot, &mut stream, n, point)
             }
-            StreamMode::Free => Self::feed_touch(controller, &stream, n),
+            StreamMode::Free | StreamMode::Impedance(_) => {
+                Self::feed_touch(controller, &stream, n, point)
+            }
         };
         stream.note(n, taken);
         self.stream = Some(stream);
@@ -241,7 +242,7 @@ impl Planner {
         let Some(stream) = self.stream.as_mut().filter(|stream| stream.is_active()) else {
             return;
         };
-        if stream.config.mode == StreamMode::Free {
+        if stream.config.mode.gives_way() {
             return stream.watch_touch(controller, snapshot.state);
         }
         let is_own = stream.path_generation == snapshot.path_generation;
@@ -278,11 +279,11 @@ impl Planner {
         n: u16,
         point: &StreamPoint,
     ) -> Result<(), StreamReason> {
-        let (position, velocity): ([f32; 2], [f32; 2]) =
-            (point.position.into(), point.velocity.into());
-        let values = position.iter().chain(&velocity);
-        if !values.into_iter().all(|value| value.is_finite()) {
+        if !point.is_finite() {
             return Err(StreamReason::Number);
+        }
+        if point.force != (0.0, 0.0) {
+            return Err(StreamReason::Force);
         }
         let now = controller.lock(|controller| controller.ticks());
         let ahead = point.due.wrapping_sub(now) as i32;
@@ -370,7 +371,7 @@ impl Planner {
                 ];
                 (NEAR.0, d1.max(d4))
             }
-            StreamMode::Tip | StreamMode::Free => (
+            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => (
                 NEAR.1,
                 (Vector2::new(point.position.0, point.position.1) - position).norm(),
             ),

@@ -44,7 +44,7 @@ impl Planner {
         n: u16,
     ) -> Result<Piece, StreamReason> {
         let tool = match mode {
-            StreamMode::Tip | StreamMode::Free => ToolMotion {
+            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => ToolMotion {
                 position: Vector2::new(point.position.0, point.position.1),
                 velocity: Vector2::new(point.velocity.0, point.velocity.1),
             },

@@ -6,7 +6,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Why a stream does not begin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StreamError {
@@ -22,6 +22,16 @@ pub enum StreamError {
     Belts,
     /// The torques act more than 2.25 ms after the angles that they are for, as over a CAN bus.
     LateTorque,
+    /// A matrix of the impedance is not finite, or it would push the tool away: it is not positive semidefinite.
+    Matrix,
+    /// This wall or guide, counted from 0, has a number that is not finite or less than 0, a direction of no length, or no radius.
+    Fixture(u8),
+    /// The springs of the impedance, of its walls and of its guides would give energy. With the dampers as they are and all springs
+    /// made softer by one factor, they are passive at this pose with so many N/m together.
+    Stiffness(f32),
+    /// The dampers alone would give energy: made smaller by one factor, they are passive at this pose with less than so many N·s/m
+    /// together.
+    Damping(f32),
 }
 
 /// What a stream does.
@@ -67,6 +77,8 @@ pub enum StreamReason {
     Limit(MoveErrorKind),
     /// No points came, so an arm that gave way is held.
     Silent,
+    /// The point has a force, which only a stream with an impedance takes.
+    Force,
 }
 
 /// What a stream has done so far. The counts saturate.
@@ -102,6 +114,21 @@ impl fmt::Display for StreamError {
             Self::LateTorque => f.write_str(
                 "the torques, as those over a CAN bus, act more than 2.25 ms late: a hand leads arms with brushed motors",
             ),
+            Self::Matrix => f.write_str(
+                "the stiffness or the damping is not finite, or it is negative along some direction",
+            ),
+            Self::Fixture(n) => write!(
+                f,
+                "wall or guide {n} has a number that is not finite or negative, no direction or no radius",
+            ),
+            Self::Stiffness(most) => write!(
+                f,
+                "the springs together must have at most {most} N/m at this pose, or they give energy: make them softer or their dampers smaller",
+            ),
+            Self::Damping(most) => write!(
+                f,
+                "the dampers together must have less than {most} N·s/m at this pose, or they give energy: make them smaller",
+            ),
             Self::Belts => f.write_str(
                 "the motors are behind belts, and the hand turns the joints: no hand leads this arm",
             ),
@@ -130,6 +157,7 @@ impl fmt::Display for StreamReason {
             }
             Self::Limit(kind) => return write!(f, "the arm stops before a point: {kind}"),
             Self::Silent => "no points came, so the arm is held",
+            Self::Force => "a point has a force, which only a stream with an impedance takes",
         })
     }
 }

@@ -1,7 +1,7 @@
-//! A stream of the mode Free: a hand leads the arm while points come.
+//! Streams of the modes Free and Impedance: the arm gives way while points come.
 
-use super::{Planner, Stream, StreamError, StreamPhase, StreamReason};
-use crate::controller::{ArmController, TouchError, TouchPhase};
+use super::{Planner, Stream, StreamError, StreamMode, StreamPhase, StreamPoint, StreamReason};
+use crate::controller::{ArmController, Hold, TouchError, TouchPhase};
 use crate::drives::Drives;
 use crate::safety::State;
 use rtic_core::Mutex;
@@ -18,16 +18,39 @@ impl From<TouchError> for StreamError {
 }
 
 impl Planner {
+    /// Lets a held arm give way in this mode.
+    pub(super) fn begin_touch(
+        &self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        hold: Option<Hold>,
+        mode: &StreamMode,
+    ) -> Result<(), StreamError> {
+        let rendering = match mode {
+            StreamMode::Joint | StreamMode::Tip => return Ok(()),
+            StreamMode::Free => None,
+            StreamMode::Impedance(impedance) => {
+                controller.lock(|controller| controller.check_touch())?;
+                Some(self.rendering(controller, hold, impedance)?)
+            }
+        };
+        controller.lock(|controller| controller.begin_touch(rendering.as_ref()))?;
+        Ok(())
+    }
+
     /// Lets the arm give way by a point.
     pub(super) fn feed_touch(
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         stream: &Stream,
         n: u16,
+        point: &StreamPoint,
     ) -> Result<(), StreamReason> {
         if !stream.is_next(n) {
             return Err(StreamReason::Order);
         }
-        let goes_on = controller.lock(ArmController::feed_touch);
+        if stream.config.mode.renders() && !point.is_finite() {
+            return Err(StreamReason::Number);
+        }
+        let goes_on = controller.lock(|controller| controller.feed_touch(point));
         goes_on.then_some(()).ok_or(StreamReason::Stopped)
     }
 }

@@ -60,6 +60,14 @@ pub fn margins(study: &MarginsStudy<'_>) -> String {
         "  torque by counts    {:.2} % of the peak torque, root mean square",
         100.0 * study.noise
     );
+    if let Some(stiffness) = &study.passive_stiffness {
+        let ([low, high], [least, most]) = (stiffness.home, stiffness.range);
+        let _ = writeln!(
+            text,
+            "  rendered springs    at home up to {low:.0} N/m in all directions, {high:.0} N/m along one; \
+             {least:.0} to {most:.0} N/m over the poses"
+        );
+    }
     if margins.modulus < 0.5 {
         text.push_str(
             "warning: below 0.5 the loop amplifies disturbances more than twice; lower \

@@ -7,7 +7,7 @@ use crate::crossing_arm::CROSSING;
 use crate::rules::Violation;
 use crate::timed::timed_run;
 use fivebar_firmware::controller::{Excitation, Excited, Request};
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{Impedance, StreamMode};
 use fivebar_firmware::protocol::{BoardTest, HostCommand, Section, SectionKey, VERSION};
 use fivebar_firmware::recorder::LogConfig;
 use fivebar_firmware::safety::Fault;
@@ -39,6 +39,8 @@ pub(crate) enum Event {
     BeginStream,
     /// The host lets a hand lead the arm.
     BeginFree,
+    /// The host begins a stream with a spring at the tool.
+    BeginImpedance,
     /// So many points of it.
     Points(u16),
     /// A point that is none.
@@ -65,12 +67,18 @@ pub(crate) enum Event {
     Silence(u32),
 }
 
+/// A spring that every arm of brushed motors may render.
+const SPRING: Impedance = Impedance {
+    stiffness: (5.0, 0.0, 5.0),
+    damping: (0.01, 0.0, 0.01),
+};
+
 /// All events, those of the board's faults included.
 pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     use Event::{
-        BeginFree, BeginStream, Command, DeclareAngles, Disturb, Joint, Jump, Latch, Line, Missed,
-        Move, OldEmergencyStop, Points, Read, Silence, Ticks, Timed, Undisturb, Until, WrongPoint,
-        Zeros,
+        BeginFree, BeginImpedance, BeginStream, Command, DeclareAngles, Disturb, Joint, Jump,
+        Latch, Line, Missed, Move, OldEmergencyStop, Points, Read, Silence, Ticks, Timed,
+        Undisturb, Until, WrongPoint, Zeros,
     };
     let requests = [
         Request::Arm,
@@ -108,7 +116,14 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     events.extend(requests.map(|request| Command(HostCommand::Request(request))));
     events.extend(commands.map(Command));
     events.extend([Line(0), Line(FULL_TOOL), Joint, Timed(1), Timed(usize::MAX)]);
-    events.extend([BeginStream, BeginFree, Points(3), Points(20), WrongPoint]);
+    events.extend([
+        BeginStream,
+        BeginFree,
+        BeginImpedance,
+        Points(3),
+        Points(20),
+        WrongPoint,
+    ]);
     let to = [1.0, 1.0];
     let wrong = CrossingMove {
         law: [0.0; 3],
@@ -219,6 +234,7 @@ impl<D: ExploredDrives> World<D> {
             }
             Event::BeginStream => self.begin_stream(StreamMode::Tip),
             Event::BeginFree => self.begin_stream(StreamMode::Free),
+            Event::BeginImpedance => self.begin_stream(StreamMode::Impedance(SPRING)),
             Event::Points(points) => self.stream_points(points),
             Event::WrongPoint => self.wrong_point(),
             Event::Move(kind) => self.send_move(0, kind).map(drop),

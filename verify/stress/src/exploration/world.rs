@@ -265,6 +265,7 @@ impl<D: ExploredDrives> World<D> {
                     .wrapping_add(u32::from(STREAM.delay)),
                 position: (x + 2.5e-4 * (1.0 - cosine), y),
                 velocity: (0.05 * sine, 0.0),
+                force: (0.0, 0.0),
             };
             self.send_point(n as u16, point)?;
         }
@@ -278,6 +279,7 @@ impl<D: ExploredDrives> World<D> {
             due: self.status.tick + u32::from(STREAM.delay),
             position: (f32::INFINITY, f32::INFINITY),
             velocity: (0.0, 0.0),
+            force: (0.0, 0.0),
         };
         self.send_point(0, point)
     }

@@ -128,6 +128,10 @@ impl Session<'_> {
         let joints = status.joint_reference.map_or(status.angle, |it| it.angle);
         let (begun, tool) = (status.tick, self.tool());
         self.timed_end = None;
+        if run.wall.is_some() {
+            let (place, fixture) = (0, run.wall);
+            self.command(HostCommand::SetFixture { place, fixture })?;
+        }
         self.command(HostCommand::BeginStream(*run.config()))?;
         for n in 0..run.points {
             if let Some(point) = run.point(n, begun, tool, joints) {

@@ -24,6 +24,8 @@ impl MarginsStudy<'_> {
             "worst_pose": {"theta1": worst.theta[0], "theta4": worst.theta[1]},
             "modulus_margin_range": self.modulus_range,
             "disturbance_peak": self.disturbance_peak.and_then(finite),
+            "passive_stiffness_home": self.passive_stiffness.map(|it| it.home),
+            "passive_stiffness_range": self.passive_stiffness.map(|it| it.range),
             "resonance_hz": self.resonance,
             "modes_hz": self.modes,
             "torque_noise_share": self.noise,

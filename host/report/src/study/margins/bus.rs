@@ -41,6 +41,7 @@ impl<'a> MarginsStudy<'a> {
             noise: servo.noise(&law),
             modulus_range,
             disturbance_peak: None,
+            passive_stiffness: None,
             poses,
         })
     }

@@ -2,11 +2,14 @@
 
 mod answer;
 mod bus;
+mod stiffness;
 
 use fivebar_design::servo::{Gains, LoopPoint, Margins, Servo};
 use fivebar_files::robot::{MissingMasses, Robot};
 use fivebar_kinematics::five_bar::Pose;
 use rayon::prelude::*;
+
+pub use stiffness::PassiveStiffness;
 
 /// Why a robot's loop has no margins.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -59,6 +62,8 @@ pub struct MarginsStudy<'a> {
     /// The greatest compliance of the tip per its static one, over all poses; none if the loop is unstable, or goes through a
     /// bus.
     pub disturbance_peak: Option<f64>,
+    /// How stiff springs may be that the arm renders at its tip; none of drives that render none.
+    pub passive_stiffness: Option<PassiveStiffness>,
 }
 
 impl<'a> MarginsStudy<'a> {
@@ -102,6 +107,7 @@ impl<'a> MarginsStudy<'a> {
             noise: servo.noise(&law),
             modulus_range: modulus_range(robot, &servos, &gains)?,
             disturbance_peak: disturbance_peak(robot, &servos, &gains),
+            passive_stiffness: PassiveStiffness::new(robot, servos.iter().map(|(pose, _)| pose))?,
             poses,
         })
     }
