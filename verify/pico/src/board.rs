@@ -23,6 +23,9 @@ const BY_PIO: u32 = 6;
 /// The isolation and the pull-up of a pad.
 const ISOLATED: u32 = 1 << 8;
 const PULL_UP: u32 = 1 << 3;
+/// Registers of PIO: which buffers are empty or full, and where the first state machine is.
+const FSTAT: u32 = 4;
+const FIRST_ADDRESS: u32 = 0xd4;
 
 /// Registers of blocks whose behaviour is that they keep what is written, and the bits that they hold after a reset.
 const STORED: [(u32, u32); 5] = [
@@ -33,10 +36,22 @@ const STORED: [(u32, u32); 5] = [
     (0x400a_8000, PWM),
 ];
 
+/// Pins that are modelled.
+const PINS: u32 = 8;
+
+/// Bits of the pins that are connected to a block, and of those that a resistor pulls up.
+#[derive(Default)]
+struct Connections {
+    to_sio: u32,
+    to_pio: u32,
+    pulled_up: u32,
+}
+
 pub(crate) struct Blocks {
     /// Bits of the blocks that are in reset.
     resets: u32,
     stored: HashMap<u32, u32>,
+    pins: Connections,
     pub(crate) uart: Uart,
     pub(crate) watchdog: Watchdog,
     pub(crate) pio: PioBlock,
@@ -56,6 +71,7 @@ impl Default for Blocks {
         Self {
             resets: ALL,
             stored: HashMap::new(),
+            pins: Connections::default(),
             uart: Uart::default(),
             watchdog: Watchdog::default(),
             pio: PioBlock::new(),
@@ -84,7 +100,11 @@ impl Blocks {
     }
 
     fn needs(&self, bit: u32) -> Result<(), &'static str> {
-        if self.resets & bit == 0 { Ok(()) } else { Err(UNCLOCKED) }
+        if self.resets & bit == 0 {
+            Ok(())
+        } else {
+            Err(UNCLOCKED)
+        }
     }
 
     pub(crate) fn read(&mut self, address: u32) -> Result<u32, &'static str> {
@@ -192,6 +212,9 @@ impl Blocks {
             }
             _ => return Err(UNKNOWN),
         }
+        if matches!(block, 0x4002_0000 | 0x4002_8000 | 0x4003_8000) {
+            self.connect();
+        }
         Ok(())
     }
 
@@ -206,28 +229,37 @@ impl Blocks {
         Ok(())
     }
 
-    /// The level of a pin: of what drives it, of what is wired to it, or of its resistor.
-    fn level(&self, pin: u32) -> bool {
+    /// Finds anew which pins are connected to what.
+    fn connect(&mut self) {
         let stored = |address: u32, reset: u32| self.stored.get(&address).copied().unwrap_or(reset);
-        let pad = stored(0x4003_8004 + 4 * pin, 0x116);
-        let function = stored(0x4002_8004 + 8 * pin, 0x1f) & 0x1f;
-        let connected = self.resets & (IO | PADS) == 0 && pad & ISOLATED == 0;
-        let bit = 1 << pin;
-        if connected && function == BY_PIO && self.resets & PIO == 0 && self.pio.pad_oe & bit != 0 {
-            return self.pio.pad_out & bit != 0;
+        let mut pins = Connections::default();
+        if self.resets & (IO | PADS) == 0 {
+            for pin in 0..PINS {
+                let pad = stored(0x4003_8004 + 4 * pin, 0x116);
+                if pad & ISOLATED != 0 {
+                    continue;
+                }
+                let bit = 1 << pin;
+                match stored(0x4002_8004 + 8 * pin, 0x1f) & 0x1f {
+                    BY_SIO => pins.to_sio |= bit,
+                    BY_PIO if self.resets & PIO == 0 => pins.to_pio |= bit,
+                    _ => {}
+                }
+                if pad & PULL_UP != 0 {
+                    pins.pulled_up |= bit;
+                }
+            }
         }
-        if connected && function == BY_SIO && self.enable & bit != 0 {
-            return self.output & bit != 0;
-        }
-        if pin == STOP {
-            return self.wires.stop;
-        }
-        connected && pad & PULL_UP != 0
+        self.pins = pins;
     }
 
-    /// The levels of all pins.
+    /// The levels of all pins: of what drives them, of what is wired to them, or of their resistors.
     pub(crate) fn levels(&self) -> u32 {
-        (0..8).map(|pin| u32::from(self.level(pin)) << pin).sum()
+        let by_pio = self.pins.to_pio & self.pio.pad_oe;
+        let by_sio = self.pins.to_sio & self.enable;
+        let wired = u32::from(self.wires.stop) << STOP;
+        let others = self.pins.pulled_up & !(1 << STOP) | wired;
+        self.pio.pad_out & by_pio | self.output & by_sio | others & !(by_pio | by_sio)
     }
 
     /// Presses or releases the emergency stop.
@@ -240,38 +272,30 @@ impl Blocks {
 
     /// Whether the brake is released.
     pub(crate) fn brake_is_released(&self) -> bool {
-        self.level(BRAKE)
+        self.levels() >> BRAKE & 1 != 0
     }
 
     /// Lets the state machines run for some cycles, from `now` on.
     pub(crate) fn run_pio(&mut self, now: u64, cycles: u64) {
-        let pins = |blocks: &Self| {
-            let levels = blocks.levels();
-            SERVO.map(|pin| levels >> pin & 1 != 0)
-        };
+        let servos = |levels: u32| SERVO.map(|pin| levels >> pin & 1 != 0);
         if self.resets & PIO != 0 || !self.pio_runs {
-            let levels = pins(self);
+            let levels = servos(self.levels());
             self.wires.drive(now, levels);
             return;
         }
         for cycle in 0..cycles {
             let levels = self.levels();
             self.pio.step_with_pins(u64::from(levels));
-            let levels = pins(self);
+            let levels = servos(self.levels());
             self.wires.drive(now + cycle + 1, levels);
         }
-        // Both wait at their first instruction for a number.
-        let waits = |machine: u32, empty: u32| {
-            let at = 0xc8 + 0x18 * machine + 0x0c;
-            let bit = 1 << (24 + machine);
-            (at, empty & bit != 0)
+        // Both wait at their first instruction for a number, and both pins are low.
+        let empty = self.pio.read32(FSTAT) >> 24;
+        let waits = |pio: &mut PioBlock, machine: u32| {
+            empty >> machine & 1 != 0 && pio.read32(FIRST_ADDRESS + 0x18 * machine) == 0
         };
-        let empty = self.pio.read32(4);
-        let idle = (0..2).all(|machine| {
-            let (at, is_empty) = waits(machine, empty);
-            is_empty && self.pio.read32(at) == 0
-        });
-        let low = pins(self) == [false; 2];
-        self.pio_runs = !(idle && low);
+        let low = servos(self.levels()) == [false; 2];
+        let waiting = (0..2).all(|machine| waits(&mut self.pio, machine));
+        self.pio_runs = !(low && waiting);
     }
 }

@@ -27,7 +27,10 @@ pub struct Violation {
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { what, address, pc } = self;
-        write!(f, "{what}: {address:#010x}, by the instruction at {pc:#010x}")
+        write!(
+            f,
+            "{what}: {address:#010x}, by the instruction at {pc:#010x}"
+        )
     }
 }
 
@@ -66,7 +69,15 @@ impl Bus {
 
     pub(crate) fn violate(&mut self, what: &'static str, address: u32) {
         let pc = self.last_fetch;
-        self.violation.get_or_insert(Violation { what, address, pc });
+        self.violation
+            .get_or_insert(Violation { what, address, pc });
+    }
+
+    /// Both halves at the place of an instruction in SRAM.
+    pub(crate) fn instruction(&self, address: u32) -> Option<[u16; 2]> {
+        let at = address.checked_sub(SRAM)? as usize;
+        let bytes = self.sram.get(at..at + 4)?;
+        Some([0, 2].map(|half| u16::from_le_bytes([bytes[half], bytes[half + 1]])))
     }
 
     /// The bytes at an address of a memory.

@@ -4,6 +4,7 @@ use crate::bus::{Bus, Violation};
 use crate::image::Image;
 use crate::pins::Wires;
 use crate::rom::{self, Function};
+use crate::{acquire, fpu};
 use rp2350_emu::core::CortexM33;
 use rp2350_emu::threaded::CoreAtomics;
 use std::sync::Arc;
@@ -105,8 +106,7 @@ impl Chip {
 
     /// The core executes an instruction that does not exist: a fault of the processor.
     pub fn fault(&mut self) {
-        // Nothing is mapped there.
-        self.core.regs.set_pc(0xf000_0000);
+        self.core.regs.set_pc(rom::UNDEFINED);
     }
 
     /// The core hangs: it executes nothing any more.
@@ -151,13 +151,15 @@ impl Chip {
         }
         let cycles = self.core.cycles();
         self.core.ppb.update_latest_cycles(cycles);
-        self.core.step(&mut self.bus);
+        if !self.step_unknown() {
+            self.core.step(&mut self.bus);
+        }
         if !self.bus.written.is_empty() {
             self.core.invalidate_decode_cache_entries(&self.bus.written);
             self.bus.written.clear();
         }
         let cycles = self.core.cycles();
-        self.core.ppb.systick_advance(cycles);
+        self.count_systick(cycles);
         let pc = self.core.regs.pc();
         if pc < 0x8000 && self.core.regs.ipsr() == 0 {
             self.in_rom(pc, cycles);
@@ -166,6 +168,28 @@ impl Chip {
         if self.bus.blocks.pio_runs || passed >= SLICE {
             self.advance(passed);
         }
+    }
+
+    /// Lets SysTick count. The emulated one raises its interrupt when it passes 0, but not when it stops there.
+    fn count_systick(&mut self, cycles: u64) {
+        const ENABLED: u32 = 0b11;
+        let ppb = &mut self.core.ppb;
+        let before = ppb.syst_cvr;
+        ppb.systick_advance(cycles);
+        if before != 0 && ppb.syst_cvr == 0 && ppb.syst_csr & ENABLED == ENABLED {
+            ppb.pend_systick();
+        }
+    }
+
+    /// Executes an instruction that the emulated core does not know; else nothing.
+    fn step_unknown(&mut self) -> bool {
+        let (core, bus) = (&mut self.core, &mut self.bus);
+        let Some(instruction) = bus.instruction(core.regs.pc()) else {
+            return false;
+        };
+        // All have two halves.
+        instruction[0] >> 13 == 7
+            && (fpu::step(core, bus, instruction) || acquire::step(core, bus, instruction))
     }
 
     /// Lets everything but the core advance.

@@ -54,10 +54,14 @@ impl Image {
                 continue;
             }
             let from = segment.p_offset.get(little) as usize;
-            let bytes = file.get(from..from + size as usize).ok_or(ImageError::Elf)?;
+            let bytes = file
+                .get(from..from + size as usize)
+                .ok_or(ImageError::Elf)?;
             let start = address.checked_sub(FLASH).map(|start| start as usize);
             let place = start.and_then(|start| flash.get_mut(start..start + bytes.len()));
-            place.ok_or(ImageError::Outside(address))?.copy_from_slice(bytes);
+            place
+                .ok_or(ImageError::Outside(address))?
+                .copy_from_slice(bytes);
         }
         Ok(Self { flash })
     }

@@ -1,8 +1,10 @@
 #![doc = include_str!("../README.md")]
 
+mod acquire;
 mod board;
 mod bus;
 mod chip;
+mod fpu;
 mod image;
 mod line;
 mod pins;

@@ -52,7 +52,11 @@ impl Wires {
                     self.began[joint] = None;
                     self.last_edge = now;
                     let cycles = now - from;
-                    self.pulses.push(Pulse { from, cycles, joint });
+                    self.pulses.push(Pulse {
+                        from,
+                        cycles,
+                        joint,
+                    });
                 }
                 _ => {}
             }

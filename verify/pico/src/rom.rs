@@ -4,6 +4,8 @@
 /// Where the ROM has the address of its search.
 pub(crate) const LOOKUP_POINTER: usize = 0x16;
 const LOOKUP: u32 = 0x100;
+/// `udf #0` is there, which no core executes.
+pub(crate) const UNDEFINED: u32 = 0x300;
 /// `b .`
 const LOOP: u16 = 0xe7fe;
 /// The functions by their codes.
@@ -35,6 +37,7 @@ pub(crate) fn bytes() -> Vec<u8> {
     for at in FUNCTIONS.map(|(_, at, _)| at).into_iter().chain([LOOKUP]) {
         rom[at as usize..at as usize + 2].copy_from_slice(&LOOP.to_le_bytes());
     }
+    rom[UNDEFINED as usize + 1] = 0xde;
     rom
 }
 

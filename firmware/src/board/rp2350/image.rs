@@ -2,7 +2,7 @@
 //!
 //! | task | priority | deadline |
 //! |---|---|---|
-//! | `tick`: emergency stop in, pulses out | 3 | the next tick; misses are counted |
+//! | `tick`: emergency stop in, pulses out | 4 | the next tick; misses are counted |
 //! | `receive`: from bytes to commands | 2 | 16 bytes of 10 µs: 160 µs |
 //! | `converse`: session, planner, telemetry, log, watchdog | idle | the watchdog's 50 ms |
 //!
@@ -193,7 +193,7 @@ mod app {
         (Shared { locked }, local)
     }
 
-    #[task(binds = SysTick, priority = 3, shared = [locked], local = [meter, switches, brake, tool])]
+    #[task(binds = SysTick, priority = 4, shared = [locked], local = [meter, switches, brake, tool])]
     fn tick(mut cx: tick::Context) {
         let local = cx.local;
         let waited = TICK_CYCLES - 1 - SYST::get_current();

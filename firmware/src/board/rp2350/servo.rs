@@ -81,15 +81,14 @@ impl Servos {
 }
 
 impl Axis {
-    /// The clocks of the pulse that begins in this tick.
+    /// The clocks of the pulse that begins in this tick. Two begin at least a frame apart, also where the power was off.
     #[inline]
     fn pulse(&mut self, powered: bool) -> Option<u32> {
-        if !powered || self.frame == 0 {
-            self.until_pulse = 0;
-            return None;
+        let begins = powered && self.frame > 0 && self.until_pulse == 0;
+        if begins {
+            self.until_pulse = self.frame;
         }
-        let begins = self.until_pulse == 0;
-        self.until_pulse = if begins { self.frame } else { self.until_pulse } - 1;
+        self.until_pulse = self.until_pulse.saturating_sub(1);
         let clocks = self.home.wrapping_add(self.units.wrapping_mul(UNIT));
         let [least, greatest] = ServoPulse::WIDTHS.map(|width| width * MICROSECOND);
         begins.then_some((clocks.max(0) as u32).clamp(least, greatest))

@@ -16,6 +16,9 @@ use std::sync::OnceLock;
 /// Cycles of a tick.
 pub(crate) const PERIOD: u64 = HZ / 10_000;
 
+/// More ticks than the job takes.
+const JOB_TICKS: u64 = 40_000;
+
 /// The path of the image, which is built from the sources beside this folder, or of the one that PICO_IMAGE names.
 pub(crate) fn path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
@@ -87,9 +90,12 @@ impl Bench {
 
     /// The servos have pulses.
     pub(crate) fn power(&mut self) {
-        self.request(Request::Home).expect("homed");
+        self.request(Request::Home).expect("accepted");
+        while self.status().state == State::Homing {}
         self.request(Request::Arm).expect("armed");
-        assert_eq!(self.status().state, State::Armed);
+        while self.status().state != State::Armed {}
+        // A pulse has begun.
+        self.line.chip().run(HZ / 1000).expect("it runs");
     }
 
     /// Hands over a job, which begins with a dwell, and waits for its end.
@@ -99,11 +105,12 @@ impl Bench {
             let reply = self.client.call(HostCommand::Move(*next));
             assert!(matches!(reply, Ok(Reply::Taken { .. })), "{reply:?}");
         }
-        while self.status().state == State::Running {
-            self.line.chip().run(HZ / 100).expect("it runs");
+        for _ in 0..JOB_TICKS / 500 {
+            let status = self.status();
+            assert_eq!((status.fault, status.missed_ticks), (None, 0));
+            self.line.chip().run(500 * PERIOD).expect("it runs");
         }
-        assert_eq!(self.status().fault, None);
-        self.line.chip().run(HZ / 20).expect("it runs");
+        assert_eq!(self.status().state, State::Armed);
     }
 }
 
@@ -113,7 +120,10 @@ fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
 
 /// A dwell, a line, a half circle and a line back: no more than the queue holds.
 pub(crate) fn commands(robot: &Robot) -> Vec<Move> {
-    let [x, y] = robot.best_point().expect("a reachable point").map(|x| x as f32);
+    let [x, y] = robot
+        .best_point()
+        .expect("a reachable point")
+        .map(|x| x as f32);
     let feed = 0.03;
     let kinds = [
         MoveKind::Dwell { duration: 0.2 },
@@ -156,8 +166,10 @@ pub(crate) fn desktop(settings: &Settings, job: &[Move]) -> Vec<[i32; 2]> {
         units.push(made);
     };
     tick(&mut controller);
-    controller.request(Request::Home).expect("homed");
-    tick(&mut controller);
+    controller.request(Request::Home).expect("accepted");
+    while controller.state() != State::Stopped || !controller.status().homed {
+        tick(&mut controller);
+    }
     controller.request(Request::Arm).expect("armed");
     for _ in 0..1000 {
         tick(&mut controller);
@@ -165,15 +177,10 @@ pub(crate) fn desktop(settings: &Settings, job: &[Move]) -> Vec<[i32; 2]> {
     for next in job {
         planner.push(&mut controller, next).expect("a valid move");
     }
-    let mut ticks = 0;
-    while controller.state() == State::Running || ticks < 100 {
+    for _ in 0..JOB_TICKS {
         planner.run(&mut controller);
         tick(&mut controller);
-        ticks += 1;
-        assert!(ticks < 100_000, "the job ends");
     }
-    for _ in 0..1000 {
-        tick(&mut controller);
-    }
+    assert_eq!(controller.state(), State::Armed, "the job has ended");
     units
 }
