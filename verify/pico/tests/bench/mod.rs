@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 pub(crate) const PERIOD: u64 = HZ / 10_000;
 
 /// More ticks than the job takes.
-const JOB_TICKS: u64 = 40_000;
+const JOB_TICKS: u64 = 30_000;
 
 /// The path of the image, which is built from the sources beside this folder, or of the one that PICO_IMAGE names.
 pub(crate) fn path() -> &'static Path {
