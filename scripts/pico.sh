@@ -20,6 +20,6 @@ if [ "${1:-}" != image ]; then
     manifest=(--manifest-path verify/pico/Cargo.toml)
     cargo fmt "${manifest[@]}" --check
     cargo clippy "${manifest[@]}" --all-targets --quiet -- -D warnings
-    cargo test "${manifest[@]}"
+    PICO_IMAGE=$image cargo test "${manifest[@]}"
 fi
 echo "$image"

@@ -65,4 +65,9 @@ impl Image {
         }
         Ok(Self { flash })
     }
+
+    /// The flash with the program.
+    pub fn flash(&self) -> &[u8] {
+        &self.flash
+    }
 }
