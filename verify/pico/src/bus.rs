@@ -117,12 +117,12 @@ impl Bus {
     }
 
     fn write(&mut self, address: u32, value: u32, size: usize) {
-        if address >> 28 == 2 {
-            if let Some(bytes) = self.memory(address, size) {
-                bytes.copy_from_slice(&value.to_le_bytes()[..size]);
-                self.written.extend([address, address + 2]);
-                return;
-            }
+        if address >> 28 == 2
+            && let Some(bytes) = self.memory(address, size)
+        {
+            bytes.copy_from_slice(&value.to_le_bytes()[..size]);
+            self.written.extend([address, address + 2]);
+            return;
         }
         if size < 4 {
             self.violate("a register is written in part", address);
@@ -134,7 +134,7 @@ impl Bus {
     /// Erases blocks of the flash.
     pub(crate) fn erase(&mut self, from: u32, count: u32) {
         let (from, end) = (from as usize, (from + count) as usize);
-        if end > FLASH_SIZE || from % 4096 != 0 || count % 4096 != 0 {
+        if end > FLASH_SIZE || !from.is_multiple_of(4096) || !count.is_multiple_of(4096) {
             return self.violate("no whole sectors are erased", from as u32);
         }
         self.flash[from..end].fill(0xff);
@@ -142,7 +142,7 @@ impl Bus {
 
     /// Programs pages of the flash: bits become 0.
     pub(crate) fn program(&mut self, at: u32, data: u32, count: u32) {
-        if at % 256 != 0 || count % 256 != 0 {
+        if !at.is_multiple_of(256) || !count.is_multiple_of(256) {
             return self.violate("no whole pages are programmed", at);
         }
         for index in 0..count {
