@@ -20,6 +20,7 @@ reason_not_to_run() {
     case "$1" in
     'cargo test') echo "ci.sh's step tests does this" ;;
     'cd verify/chip && cargo test') names_steps chip && echo "ci.sh's step chip does this" ;;
+    'scripts/pico.sh'*) names_steps pico && echo "ci.sh's step pico does this" ;;
     *'verify/chip/Cargo.toml --bin board') echo "it runs until it is interrupted" ;;
     './ci.sh'*) names_steps ${1#./ci.sh} && echo "ci.sh is running" ;;
     'scripts/firmware.sh' | 'scripts/release.sh images '*) names_steps firmware && echo "ci.sh's step firmware does this" ;;

@@ -30,6 +30,7 @@ while IFS='|' read -r package licence; do
 done < <({
     list --target x86_64-unknown-linux-gnu
     list --target thumbv7em-none-eabihf
+    list --manifest-path verify/pico/Cargo.toml
     list --manifest-path verify/fuzz/Cargo.toml
     list --manifest-path verify/leg_m0/Cargo.toml --target thumbv6m-none-eabi
     list --manifest-path kinematics/c/Cargo.toml

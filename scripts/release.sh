@@ -2,7 +2,7 @@
 # Makes the files of a release in a folder:
 #
 #   scripts/release.sh program FOLDER TARGET   fivebar for this target of Rust, with its licences, as .tgz
-#   scripts/release.sh images FOLDER           the firmware as .elf, .hex and .bin
+#   scripts/release.sh images FOLDER           the firmware as .elf, .hex and .bin, for a Pico 2 as .elf and .uf2
 #   scripts/release.sh sbom FOLDER             what program, images and wheels are made of, as CycloneDX
 #   scripts/release.sh checksums FOLDER        SHA256SUMS of all files there
 #
@@ -40,6 +40,10 @@ images() {
         "$copy" -O ihex "$folder/fivebar-$version-$name.elf" "$folder/fivebar-$version-$name.hex"
         "$copy" -O binary "$folder/fivebar-$version-$name.elf" "$folder/fivebar-$version-$name.bin"
     done
+    local pico
+    pico=$(scripts/pico.sh image | tail -n 1)
+    cp "$pico" "$folder/fivebar-$version-rp2350_servo.elf"
+    cp "$pico.uf2" "$folder/fivebar-$version-rp2350_servo.uf2"
 }
 
 sbom() {

@@ -19,9 +19,10 @@ cargo_flags=()
 
 # The images name their sources without the folders of this machine, so that two machines make the
 # same file.
-export CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="--remap-path-prefix=$PWD=/fivebar\
+rustflags="--remap-path-prefix=$PWD=/fivebar\
  --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=/cargo\
 ${CARGO_TARGET_DIR:+ --remap-path-prefix=$CARGO_TARGET_DIR=/fivebar/target}"
+export CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$rustflags CARGO_TARGET_THUMBV8M_MAIN_NONE_EABIHF_RUSTFLAGS=$rustflags
 
 as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi; }
 

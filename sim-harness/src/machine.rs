@@ -13,15 +13,15 @@ use serde::Serialize;
 pub struct Machine {
     /// What turns the joints.
     pub motors: &'static str,
-    /// The image for a board with motors; none drives hobby servos yet.
-    pub board: Option<&'static str>,
+    /// The image for a board with motors.
+    pub board: &'static str,
     /// The image for an emulated board.
     pub emulated: &'static str,
     /// What limits the torques at its joints, in words.
     pub torque_limit: &'static str,
     /// What its status tells of the drives. The rest is 0.
     pub shows: &'static [Signal],
-    boards: [Option<Board>; 2],
+    boards: [Board; 2],
 }
 
 /// What a status tells of drives.
@@ -41,36 +41,36 @@ impl Machine {
     pub fn of(kind: DriveKind) -> Self {
         let steps = Self {
             motors: "steppers",
-            board: Some("stm32f405_stepper"),
+            board: "stm32f405_stepper",
             emulated: StepDrives::IMAGE,
             torque_limit: "torque at which steps are lost",
             shows: &[],
-            boards: [Some(Board::Stm32f405Stepper), Some(StepDrives::BOARD)],
+            boards: [Board::Stm32f405Stepper, StepDrives::BOARD],
         };
         match kind {
             DriveKind::Brushed => Self {
                 motors: "brushed motors",
-                board: Some("stm32f405"),
+                board: "stm32f405",
                 emulated: BrushedDrives::IMAGE,
                 torque_limit: "peak torque of the motor",
                 shows: &[Signal::Torque, Signal::Current, Signal::BusVoltage],
-                boards: [Some(Board::Stm32f405), Some(BrushedDrives::BOARD)],
+                boards: [Board::Stm32f405, BrushedDrives::BOARD],
             },
             DriveKind::Stepper => steps,
             DriveKind::CanTorque => Self {
                 motors: "drives on a CAN bus",
-                board: Some("stm32f405_can"),
+                board: "stm32f405_can",
                 emulated: BusDrives::IMAGE,
                 torque_limit: "peak torque of the drive",
                 shows: &[Signal::Torque, Signal::Current],
-                boards: [Some(Board::Stm32f405Can), Some(BusDrives::BOARD)],
+                boards: [Board::Stm32f405Can, BusDrives::BOARD],
             },
             // Their controller is that of steppers; on an emulated board it is the same image.
             DriveKind::Servo => Self {
                 motors: "hobby servos",
-                board: None,
+                board: "rp2350_servo",
                 torque_limit: "stall torque (a servo turns to each pulse with all that it has)",
-                boards: [None, Some(StepDrives::BOARD)],
+                boards: [Board::Rp2350Servo, StepDrives::BOARD],
                 ..steps
             },
         }
@@ -78,7 +78,7 @@ impl Machine {
 
     /// Whether a controller on this board drives it.
     pub fn fits(&self, board: Board) -> bool {
-        board == Board::Desktop || self.boards.contains(&Some(board))
+        board == Board::Desktop || self.boards.contains(&board)
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
         let kinds = [DriveKind::Brushed, DriveKind::Stepper, DriveKind::CanTorque];
         let machines = kinds.map(Machine::of);
         for machine in machines {
-            for board in machine.boards.into_iter().flatten() {
+            for board in machine.boards {
                 assert_eq!(motors_of(board), machine.motors);
                 let fitting = machines.iter().filter(|other| other.fits(board));
                 assert_eq!(fitting.count(), 1, "{board:?}");

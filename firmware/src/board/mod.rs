@@ -13,16 +13,29 @@
 //! | `stm32f405/brushed` | the PWM timer, 10 kHz | timers, converters, bridges | in flash |
 //! | `stm32f405/stepper` | a timer, 10 kHz | the steps made, step/dir drivers | in flash |
 //! | `stm32f405/can` | a timer, 1 kHz | frames of a CAN bus | in flash |
+//! | `rp2350` | SysTick, 10 kHz | pulses of hobby servos by PIO | in QSPI flash |
 //! | `emulated` | the host | frames | none |
 //!
 //! What a host has to know of a board stands where the host reads it: its name in
 //! [`Identity`](crate::protocol::Identity), its bounds in [`BoardLimits`](crate::settings::BoardLimits).
 
+#[cfg(feature = "image")]
+pub mod alive;
+#[cfg(feature = "image")]
+pub mod cycles;
 #[cfg(feature = "board")]
 pub mod emulated;
-#[cfg(feature = "board")]
+#[cfg(feature = "image")]
+pub mod end_cause;
+#[cfg(feature = "image")]
 pub mod exchanged;
-#[cfg(feature = "board")]
+#[cfg(feature = "image")]
+pub mod log;
+#[cfg(feature = "rp2350")]
+pub mod rp2350;
+#[cfg(feature = "image")]
 pub mod stack;
 #[cfg(feature = "board")]
 pub mod stm32f405;
+#[cfg(feature = "image")]
+pub mod stored;

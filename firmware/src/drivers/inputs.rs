@@ -6,7 +6,25 @@
 //! pulse. See `docs/use/wiring.md`.
 
 use crate::ArmSample;
-use embedded_hal::digital::InputPin;
+use core::convert::Infallible;
+use embedded_hal::digital::{ErrorType, InputPin};
+
+/// In the place of an input that the drives do not have: an index output without a pulse, a fault output without a fault.
+pub struct Level<const HIGH: bool>;
+
+impl<const HIGH: bool> ErrorType for Level<HIGH> {
+    type Error = Infallible;
+}
+
+impl<const HIGH: bool> InputPin for Level<HIGH> {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(HIGH)
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(!HIGH)
+    }
+}
 
 /// Reads the two home switches, both index outputs, the emergency stop and both fault outputs.
 pub struct Inputs<H1, H4, I1, I4, S, F1, F4> {
@@ -95,7 +113,7 @@ impl<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use embedded_hal::digital::{Error, ErrorKind, ErrorType};
+    use embedded_hal::digital::{Error, ErrorKind};
 
     /// A pin at a level; none: it cannot be read.
     struct Pin(Option<bool>);

@@ -9,4 +9,4 @@ mod inputs;
 pub mod steps;
 
 pub use bridge::{Bridge, WAKE_UP_TIME};
-pub use inputs::Inputs;
+pub use inputs::{Inputs, Level};

@@ -35,6 +35,8 @@ pub enum Board {
     EmulatedStepper,
     /// An emulated Cortex-M4F for torque drives on a CAN bus: those of the bus are in frames.
     EmulatedCan,
+    /// An RP2350 that makes the pulses of hobby servos.
+    Rp2350Servo,
 }
 
 /// Why a controller started.

@@ -19,6 +19,8 @@ pub struct BoardLimits {
     pub absolute_encoders: bool,
     /// Whether its drives are on a CAN bus.
     pub drives_on_bus: bool,
+    /// Whether it makes the pulses of hobby servos, and nothing else.
+    pub hobby_servos: bool,
 }
 
 impl BoardLimits {
@@ -31,6 +33,7 @@ impl BoardLimits {
         // Its counters start at 0 wherever the arm stands.
         absolute_encoders: false,
         drives_on_bus: false,
+        hobby_servos: false,
     };
 
     /// The STM32F405 with stepper drivers. They measure no current, and its board no voltage.
@@ -49,6 +52,16 @@ impl BoardLimits {
         count_rate: u32::MAX,
         absolute_encoders: true,
         drives_on_bus: true,
+        ..Self::STM32F405_STEPPER
+    };
+
+    /// The RP2350 with hobby servos.
+    pub const RP2350_SERVO: Self = Self {
+        // 2.4 ms of half microseconds in a frame of 50 Hz.
+        count_rate: 240_000,
+        // A servo knows its angle.
+        absolute_encoders: true,
+        hobby_servos: true,
         ..Self::STM32F405_STEPPER
     };
 
@@ -83,6 +96,9 @@ impl BoardLimits {
         }
         if self.drives_on_bus && settings.bus_drives().is_none() {
             return Err(SettingsError::BoardBus);
+        }
+        if self.hobby_servos && settings.servo_pulses().is_none() {
+            return Err(SettingsError::BoardServos);
         }
         Ok(())
     }

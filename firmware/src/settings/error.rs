@@ -30,6 +30,8 @@ pub enum SettingsError {
     BoardEncoders,
     /// The board's drives are on a bus, and the settings name none.
     BoardBus,
+    /// The board makes pulses of hobby servos, and the settings are of other motors.
+    BoardServos,
     /// No pose within the joint limits is on the branch and keeps the singularity margin.
     NoPose,
 }
@@ -69,6 +71,10 @@ impl fmt::Display for SettingsError {
             Self::BoardBus => f.write_str(
                 "current_zero_code of both axes must name two drives on the board's CAN bus: take a robot \
                  with actuators of kind \"can-torque\"",
+            ),
+            Self::BoardServos => f.write_str(
+                "index_counts and thermal_time_constant of both axes must say the pulses of two hobby servos: take a robot \
+                 with actuators of kind \"servo\"",
             ),
             Self::NoPose => f.write_str(
                 "no pose within angle_limits is on the branch of elbows_left and assembly_left \

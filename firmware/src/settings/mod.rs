@@ -14,6 +14,7 @@ mod error;
 mod field_lag;
 mod homing;
 mod row;
+mod servo_pulse;
 mod table;
 mod tool_output;
 
@@ -29,6 +30,7 @@ pub use field_lag::FieldLag;
 pub(crate) use homing::{CREEP, INDEX_SAMPLES};
 pub use homing::{HomeReference, HomingMethod, HomingSettings, INDEX_MARGIN};
 pub use row::{Must, Row};
+pub use servo_pulse::ServoPulse;
 pub use table::{AdvancedSettings, AxisField, Field, LONGEST_STOP, rows};
 pub use tool_output::{ALWAYS, Share, ToolOutputSettings};
 

@@ -468,6 +468,7 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
             Board::Stm32f405,
             Board::Stm32f405Stepper,
             Board::Stm32f405Can,
+            Board::Rp2350Servo,
         ]),
         prop::sample::select(vec![
             Reset::Power,

@@ -97,12 +97,7 @@ pub fn open(
         return Err(OpenError::ForOthers {
             controller: motors_of(identity.board),
             robot: machine.motors,
-            instead: match machine.board {
-                Some(image) => format!("write the image `{image}` to the board"),
-                None => {
-                    "no image drives them yet: leave out --port, and the arm is simulated".into()
-                }
-            },
+            instead: format!("write the image `{}` to the board", machine.board),
         });
     }
     let settings = robot.settings().map_err(RunError::from)?.check()?;
@@ -115,7 +110,11 @@ pub fn open(
                 Some(simulated::stepped(robot, clock)?),
             )
         }
-        Board::Desktop | Board::Stm32f405 | Board::Stm32f405Stepper | Board::Stm32f405Can => {
+        Board::Desktop
+        | Board::Stm32f405
+        | Board::Stm32f405Stepper
+        | Board::Stm32f405Can
+        | Board::Rp2350Servo => {
             let mut drive = Drive::new(&mut client, &|| false);
             match source {
                 ControllerSource::Port { upload: true, .. } => drive.store_settings(&settings)?,

@@ -88,5 +88,6 @@ pub fn motors_of(board: Board) -> &'static str {
         Board::Emulated | Board::Stm32f405 => "brushed motors",
         Board::Stm32f405Stepper | Board::EmulatedStepper => "steppers",
         Board::Stm32f405Can | Board::EmulatedCan => "drives on a CAN bus",
+        Board::Rp2350Servo => "hobby servos",
     }
 }

@@ -101,7 +101,10 @@ impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
         // Checked before the settings change; applying settings resets what this tick did.
         let is_stepped = match identity.board {
             // They know samples of brushed motors only.
-            Board::Stm32f405 | Board::Stm32f405Stepper | Board::Stm32f405Can => false,
+            Board::Stm32f405
+            | Board::Stm32f405Stepper
+            | Board::Stm32f405Can
+            | Board::Rp2350Servo => false,
             Board::Desktop | Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan => {
                 let tick = HostCommand::Tick(ArmSample::<I::Sample>::default());
                 let reply = client.exchange::<_, I::Command>(tick)?;

@@ -1,4 +1,4 @@
-//! The pins that each image has, and what stands in the place of those that it does not have.
+//! The pins that each image has.
 //!
 //! Inputs that a cable leads to have the chip's own resistor, about 40 kΩ, so that a cable that is
 //! off gives a level and no noise: a quiet serial line, encoders that stand still, and an
@@ -8,8 +8,6 @@
 
 use super::gpio::{self, In, Out, Resistor};
 use crate::drivers::boards::{BUILT, CommonPins, Peripheral};
-use core::convert::Infallible;
-use embedded_hal::digital::{ErrorType, InputPin};
 
 /// The pins of this board.
 pub const PINS: CommonPins = BUILT.common;
@@ -42,21 +40,4 @@ pub fn stop_with_break() -> Stop {
     let stop = gpio::input(Resistor::Up);
     gpio::connect(PINS.stop, Peripheral::Tim1Break, Resistor::Up);
     stop
-}
-
-/// In the place of an input that the drives do not have: an index output without a pulse, a fault output without a fault.
-pub struct Level<const HIGH: bool>;
-
-impl<const HIGH: bool> ErrorType for Level<HIGH> {
-    type Error = Infallible;
-}
-
-impl<const HIGH: bool> InputPin for Level<HIGH> {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(HIGH)
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        Ok(!HIGH)
-    }
 }

@@ -6,6 +6,7 @@ use core::mem::MaybeUninit;
 use cortex_m::peripheral::DWT;
 use stm32f4xx_hal::pac::RCC;
 
+use crate::board::end_cause::EndCause;
 use crate::protocol::Reset;
 
 /// A note that survives a reset but not a loss of power: the start-up code leaves
@@ -29,28 +30,14 @@ static NOTE: Note = Note {
     cycles: UnsafeCell::new(MaybeUninit::uninit()),
 };
 
-/// RAM holds one of these marks by chance once in 2³¹ power-ups, and only a software reset or one by the
-/// watchdog reads them.
-const PANICKED: u32 = 0x5041_4e21;
-const FAULTED: u32 = 0x4641_5521;
+/// Beside those of [`EndCause`]. RAM holds such a mark by chance once in 2³¹ power-ups, and only a software reset or one by
+/// the watchdog reads them.
 const HUNG: u32 = 0x4855_4e47;
 const NOTHING: u32 = 0;
 
-/// Why the program ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EndCause {
-    /// By a panic.
-    Panic,
-    /// By a hard fault.
-    HardFault,
-}
-
 /// Writes the note and resets the chip. The caller switches the bridges off first.
 pub fn reset_after(cause: EndCause) -> ! {
-    write(match cause {
-        EndCause::Panic => PANICKED,
-        EndCause::HardFault => FAULTED,
-    });
+    write(cause.mark());
     cortex_m::asm::dsb();
     cortex_m::peripheral::SCB::sys_reset();
 }
@@ -74,11 +61,7 @@ pub fn reset_reason(rcc: &RCC) -> (Reset, Option<u32>) {
     let reason = if flags.wdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() {
         Reset::Watchdog
     } else if flags.sftrstf().bit_is_set() {
-        match note {
-            PANICKED => Reset::Panic,
-            FAULTED => Reset::HardFault,
-            _ => Reset::Software,
-        }
+        EndCause::reset(note)
     } else if flags.lpwrrstf().bit_is_set() {
         Reset::Unknown
     } else if flags.porrstf().bit_is_set() {

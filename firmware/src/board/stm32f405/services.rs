@@ -1,12 +1,12 @@
 //! What the session needs from this board: settings stored in flash, the tool's timer, and the
 //! stack's use.
 
-use super::cycles::TickTimes;
 use super::post_mortem;
 use super::self_test::Started;
 use super::storage::SettingsFlash;
 use super::tool::ToolTimer;
 use super::watchdog::Watchdog;
+use crate::board::cycles::TickTimes;
 use crate::board::stack;
 use crate::drives::Drives;
 use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse, TimedSpan};
@@ -74,47 +74,6 @@ pub type Storage = SettingsStorage<SettingsFlash>;
 /// Opens the storage.
 pub fn open(flash: FLASH) -> Option<Storage> {
     SettingsStorage::new(SettingsFlash::new(flash), SettingsFlash::RANGE).ok()
-}
-
-/// Puts the stored settings in the place of these, if they are within the board's bounds.
-///
-/// # Errors
-/// Why it cannot.
-// A call of its own, as those that make the controllers: none takes the other's stack.
-#[inline(never)]
-pub fn load(
-    storage: &mut Option<Storage>,
-    limits: &BoardLimits,
-    settings: &mut CheckedSettings,
-) -> Result<(), StorageError> {
-    let storage = storage.as_mut().ok_or(StorageError::Range)?;
-    // By reference: the stack holds them once.
-    match &storage.load() {
-        Ok(stored) => check(stored, limits, settings),
-        Err(error) => Err(*error),
-    }
-}
-
-/// The settings of a board on which none were stored.
-#[inline(never)]
-pub fn benchtop() -> CheckedSettings {
-    let Ok(settings) = Settings::BENCHTOP.check() else {
-        panic!("the benchtop arm's settings are valid");
-    };
-    settings
-}
-
-/// Checks stored settings, within this board's bounds, and puts them in the place of those in use.
-#[inline(never)]
-fn check(
-    stored: &Settings,
-    limits: &BoardLimits,
-    settings: &mut CheckedSettings,
-) -> Result<(), StorageError> {
-    let bounded = limits.check(stored);
-    let checked = bounded.and_then(|()| stored.check());
-    *settings = checked.map_err(|_| StorageError::Corrupt)?;
-    Ok(())
 }
 
 // What any drives need is compiled once, below.

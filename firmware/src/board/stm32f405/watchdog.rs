@@ -6,8 +6,7 @@
 //! ([`halt`]).
 
 use super::halt;
-use bitflags::bitflags;
-use core::sync::atomic::{AtomicU32, Ordering};
+use crate::board::alive;
 use stm32f4xx_hal::pac::IWDG;
 
 /// The values of the key register: access to the others, refresh, start.
@@ -36,28 +35,6 @@ const ERASING: Timeout = Timeout {
     reload: 1499,
 };
 
-bitflags! {
-    /// The tasks that must advance for a refresh.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub struct Tasks: u32 {
-        /// The control tick.
-        const TICK = 1;
-        /// The session with the host and the planner.
-        const SESSION = 2;
-    }
-}
-
-/// The bits of the tasks that have advanced since the last refresh.
-static ALIVE: AtomicU32 = AtomicU32::new(0);
-
-impl Tasks {
-    /// Reports that these tasks have advanced.
-    #[inline]
-    pub fn advanced(self) {
-        ALIVE.fetch_or(self.bits(), Ordering::Relaxed);
-    }
-}
-
 /// The watchdog. Once started, only a reset stops it.
 pub struct Watchdog {
     iwdg: IWDG,
@@ -74,8 +51,7 @@ impl Watchdog {
 
     /// Refreshes the watchdog if every task has advanced since the last refresh.
     pub fn refresh_if_all_advanced(&mut self) {
-        if ALIVE.load(Ordering::Relaxed) == Tasks::all().bits() {
-            ALIVE.store(0, Ordering::Relaxed);
+        if alive::all_advanced() {
             self.write_key(REFRESH);
             halt::keep_watchdog_counting();
         }

@@ -60,8 +60,9 @@ impl DriveKind {
                  (docs/use/wiring.md). Tune and check their own loops by their maker's program",
             ),
             Self::Servo => Some(
-                "`fivebar sim`, `serve` and `pil` run jobs on them; no image drives them yet. A servo has a loop of its own and \
-                 tells nothing: `sim` shows how far its arm is from its set-points",
+                "`fivebar sim`, `serve` and `pil` run jobs on them, and `drive` with the image `rp2350_servo` \
+                 (docs/use/wiring.md). A servo has a loop of its own and tells nothing: `sim` shows how far its arm is from its \
+                 set-points",
             ),
         }
     }

@@ -4,9 +4,10 @@
 //! of its speed, and a share of the torque that it has at the joint's greatest speed.
 
 use super::actuator::{Actuator, HobbyServo};
-use super::value::positive;
+use super::value::{positive, single};
 use super::{HomeMethod, Robot};
 use crate::refusal::{Key, Refusal, Refusals};
+use fivebar_firmware::settings::{ServoPulse, Settings};
 use fivebar_kinematics::five_bar::Joint;
 use fivebar_plant::HobbyServo as Simulated;
 
@@ -18,10 +19,6 @@ pub(super) const TORQUE_SHARE: f64 = 0.5;
 pub(super) const SPEED_SHARE: f64 = 0.8;
 /// Time constant of a small brushed motor behind its gear, without load [s].
 const MECHANICAL: f64 = 0.02;
-/// Pulses in a second [Hz]. Analogue servos take 50, digital ones up to 333.
-const FRAME_RATES: [f64; 2] = [50.0, 333.0];
-/// Widths of a pulse [s].
-const WIDTHS: [f64; 2] = [0.3e-3, 2.7e-3];
 /// The least difference of both widths [s].
 const LEAST_SPAN: f64 = 0.2e-3;
 /// Angles between both widths [rad].
@@ -80,6 +77,18 @@ impl Robot {
         Some([middle(Joint::Joint1)?, middle(Joint::Joint4)?])
     }
 
+    /// Writes the pulses of its hobby servos into the controller's settings; of other motors it writes nothing.
+    pub(super) fn put_pulses(&self, settings: &mut Settings) {
+        let servos = self.hobby_servos().into_iter().flatten();
+        for (servo, axis) in servos.zip(&mut settings.axes) {
+            let pulse = ServoPulse {
+                home_width: single(servo.home_width),
+                frame_rate: single(servo.frame_rate),
+            };
+            pulse.put(axis);
+        }
+    }
+
     /// Its hobby servos, for the simulated arm; none if its joints are turned by others.
     pub fn hobby_servos(&self) -> Option<[Simulated; 2]> {
         let servo = |j: Joint| {
@@ -105,9 +114,9 @@ pub(super) fn check_servo(index: usize, actuator: &Actuator, refusals: &mut Refu
         refusals.note(positive(key(name), value));
     }
     let [one, other] = servo.pulse_range;
-    let is_width = |width: f64| (WIDTHS[0]..=WIDTHS[1]).contains(&width);
+    let [least, greatest] = ServoPulse::WIDTHS.map(|width| f64::from(width) / 1e6);
+    let is_width = |width: f64| (least..=greatest).contains(&width);
     if !is_width(one) || !is_width(other) || other - one < LEAST_SPAN {
-        let [least, greatest] = WIDTHS;
         let reason = format!(
             "must be two widths from {least:?} to {greatest:?} s, the second {LEAST_SPAN:?} s longer at least, not \
              [{one:?}, {other:?}]: [0.0005, 0.0025] is usual; a servo that turns against its joint has a negative \
@@ -126,7 +135,7 @@ pub(super) fn check_servo(index: usize, actuator: &Actuator, refusals: &mut Refu
         (
             "frame_rate",
             servo.frame_rate,
-            FRAME_RATES,
+            ServoPulse::FRAME_RATES.map(f64::from),
             "Hz",
             "every servo takes 50 Hz, digital ones more",
         ),

@@ -112,6 +112,7 @@ impl Robot {
         if let Some(setup) = self.bus_setup() {
             setup.put(&mut settings);
         }
+        self.put_pulses(&mut settings);
         Ok(settings)
     }
 

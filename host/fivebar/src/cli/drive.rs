@@ -61,7 +61,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }
     warn_of_drivers(&scenario.robot);
-    let machine = machine(&scenario.robot)?;
+    let machine = Machine::of(scenario.robot.drive_kind());
     let settings = scenario.robot.settings().map_err(refused)?;
     // Holds for an arm that is to be homed. One that is homed may be in other modes.
     let refused_from_home = scenario.moves(&job).err();
@@ -160,18 +160,6 @@ fn unseen(robot: &Robot) -> &'static str {
     }
 }
 
-/// What a robot is, whose drives the firmware drives.
-fn machine(robot: &Robot) -> Result<Machine, Failure> {
-    let machine = Machine::of(robot.drive_kind());
-    match machine.board {
-        Some(_) => Ok(machine),
-        None => Err(refused(format_args!(
-            "robot `{}` has {}, and no image of the firmware drives them yet: `fivebar sim` draws with the simulated arm",
-            robot.name, machine.motors
-        ))),
-    }
-}
-
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
 /// else.
 fn refuse_other(board: Board, machine: &Machine) -> Result<(), Failure> {
@@ -182,14 +170,15 @@ fn refuse_other(board: Board, machine: &Machine) -> Result<(), Failure> {
         let reason = "an emulated board has no motors; run the job on it with `fivebar pil`";
         return Err(Failure::Refused(reason.into()));
     }
-    match machine.board {
-        Some(image) if !machine.fits(board) => Err(refused(format_args!(
-            "the controller is for {} and the robot has {}; write the image `{image}` to the board",
-            motors_of(board),
-            machine.motors
-        ))),
-        _ => Ok(()),
+    if machine.fits(board) {
+        return Ok(());
     }
+    Err(refused(format_args!(
+        "the controller is for {} and the robot has {}; write the image `{}` to the board",
+        motors_of(board),
+        machine.motors,
+        machine.board
+    )))
 }
 
 /// A bar as long as the job; `lengths` are those up to each step [m].

@@ -55,6 +55,9 @@ fn sensed(board: Board, words: &SensedWords, [peak1, peak4]: [f32; 2]) -> String
         Board::Stm32f405Stepper | Board::EmulatedStepper => {
             format!("micro-steps {:6} {:6}", word1 as i16, word4 as i16)
         }
+        Board::Rp2350Servo => {
+            format!("pulse units {:6} {:6}", word1 as i16, word4 as i16)
+        }
         Board::Stm32f405Can | Board::EmulatedCan => {
             let (torque1, torque4) = (torque_of(word1, peak1), torque_of(word4, peak4));
             let [age1, age4] = both.to_le_bytes();
@@ -103,6 +106,7 @@ mod tests {
         for (board, wanted) in [
             (Board::Stm32f405, "currents 8192 61440 codes bus 513 codes"),
             (Board::Stm32f405Stepper, "micro-steps 8192 -4096"),
+            (Board::Rp2350Servo, "pulse units 8192 -4096"),
             (
                 Board::Stm32f405Can,
                 "torques 1.0000 -0.7500 N·m ages 1 2 ticks",

@@ -97,13 +97,10 @@ impl Commissioning {
         let (client, identity) = Client::open(line)?;
         if !machine.fits(identity.board) {
             return Err(StepError::Other(format!(
-                "the controller is for {} and the robot has {}: {}",
+                "the controller is for {} and the robot has {}: write the image `{}` to the board",
                 motors_of(identity.board),
                 machine.motors,
-                match machine.board {
-                    Some(image) => format!("write the image `{image}` to the board"),
-                    None => "no image drives these yet, so give --port simulated".into(),
-                }
+                machine.board
             )));
         }
         let mut bench = Bench::new(client, operator, drawn, robot, options.points.clone())?;

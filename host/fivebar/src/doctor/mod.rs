@@ -138,7 +138,7 @@ fn of_boards() -> [Check; 6] {
 }
 
 /// The firmware for each kind of drives, emulated and for the microcontroller.
-fn of_images() -> [Check; 6] {
+fn of_images() -> [Check; 7] {
     [
         Check {
             what: "image qemu",
@@ -175,6 +175,12 @@ fn of_images() -> [Check; 6] {
             purpose: "the same for drives on a CAN bus",
             needed_for: &[Task::Flash],
             state: image::state("stm32f405_can"),
+        },
+        Check {
+            what: "image rp2350_servo",
+            purpose: "the same of a Pico 2 for hobby servos",
+            needed_for: &[Task::Flash],
+            state: image::state("rp2350_servo"),
         },
     ]
 }

@@ -12,8 +12,9 @@ pub mod sensors;
 
 use super::clocks::{self, Source};
 use super::image::Parts;
-use super::post_mortem::{EndCause, reset_after};
+use super::post_mortem::reset_after;
 use super::services::OnBoard;
+use crate::board::end_cause::EndCause;
 use crate::drives::BrushedDrives;
 use crate::protocol::Board;
 use crate::settings::BoardLimits;

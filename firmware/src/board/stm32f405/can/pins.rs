@@ -4,9 +4,9 @@
 //! pull-up at its input.
 
 use crate::board::stm32f405::gpio::{self, Resistor};
-use crate::board::stm32f405::pins::{self, Home1, Home4, Level, Stop};
-use crate::drivers::Inputs;
+use crate::board::stm32f405::pins::{self, Home1, Home4, Stop};
 use crate::drivers::boards::{BUILT, CanPins, Peripheral};
+use crate::drivers::{Inputs, Level};
 
 /// The pins of this board.
 pub const PINS: CanPins = BUILT.can();

@@ -4,7 +4,8 @@
 //! get no more commands, and their own watchdogs end the torque.
 
 use super::bxcan::{self, Words};
-use crate::board::stm32f405::post_mortem::{EndCause, reset_after};
+use crate::board::end_cause::EndCause;
+use crate::board::stm32f405::post_mortem::reset_after;
 use crate::drives::can::Frame;
 use core::sync::atomic::{AtomicU32, Ordering};
 

@@ -17,7 +17,7 @@ macro_rules! image {
             use core::mem::MaybeUninit;
             use heapless::spsc::{Producer, Queue};
             use $crate::board::exchanged::Place;
-            use $crate::board::stm32f405::cycles::CycleMeter;
+            use $crate::board::cycles::CycleMeter;
             use $crate::board::stm32f405::image::start::{self, CommonPeripherals, Image, Places};
             use $crate::board::stm32f405::image::tasks::{self, Idle};
             use $crate::board::stm32f405::image::Parts;
@@ -113,7 +113,7 @@ macro_rules! image {
 
         #[panic_handler]
         fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-            <$parts as $crate::board::stm32f405::image::Parts>::end($crate::board::stm32f405::post_mortem::EndCause::Panic)
+            <$parts as $crate::board::stm32f405::image::Parts>::end($crate::board::end_cause::EndCause::Panic)
         }
 
         /// Any fault of the processor. The stack may be at its end, and a push would then lock the core up with the drives
@@ -134,13 +134,13 @@ macro_rules! image {
         }
 
         extern "C" fn after_hard_fault() -> ! {
-            <$parts as $crate::board::stm32f405::image::Parts>::end($crate::board::stm32f405::post_mortem::EndCause::HardFault)
+            <$parts as $crate::board::stm32f405::image::Parts>::end($crate::board::end_cause::EndCause::HardFault)
         }
 
         /// The default handler of exceptions and interrupts without their own.
         #[cortex_m_rt::exception]
         unsafe fn DefaultHandler(_: i16) {
-            <$parts as $crate::board::stm32f405::image::Parts>::end($crate::board::stm32f405::post_mortem::EndCause::HardFault)
+            <$parts as $crate::board::stm32f405::image::Parts>::end($crate::board::end_cause::EndCause::HardFault)
         }
 
         /// The crystal failed: the core now runs from the internal oscillator.

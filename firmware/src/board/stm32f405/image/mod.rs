@@ -19,9 +19,9 @@ pub mod tasks;
 
 use self::shared::Locked;
 use super::clocks::{self, Source};
-use super::post_mortem::EndCause;
 use super::services::OnBoard;
 use super::{serial, tool};
+use crate::board::end_cause::EndCause;
 use crate::drives::Drives;
 use crate::protocol::Board;
 use crate::settings::CheckedSettings;

@@ -3,14 +3,15 @@
 use super::shared::Locked;
 use super::tasks::Idle;
 use super::{CLOCK_FAILED, Parts, crystal_failed};
+use crate::board::cycles::CycleMeter;
 use crate::board::exchanged::Place;
+use crate::board::log::EventLog;
 use crate::board::stm32f405::clocks::{self, Source};
-use crate::board::stm32f405::cycles::CycleMeter;
-use crate::board::stm32f405::log::EventLog;
 use crate::board::stm32f405::outputs::CommonOutputs;
 use crate::board::stm32f405::self_test::Started;
 use crate::board::stm32f405::services::{self, BoardServices, OnBoard};
 use crate::board::stm32f405::{brown_out, halt, pins, post_mortem, serial, tool};
+use crate::board::stored;
 use crate::planner::Planner;
 use crate::protocol::{HostMessage, Identity};
 use crate::session::{self, Board, Session, fault_at_start};
@@ -93,8 +94,8 @@ pub fn start<P: Parts>(
     let (arrived, commands) = places.queue.split();
 
     let mut storage = services::open(common.flash);
-    let mut settings = services::benchtop();
-    let missing = services::load(&mut storage, &P::Drives::LIMITS, &mut settings).err();
+    let mut settings = stored::benchtop();
+    let missing = stored::load(&mut storage, &P::Drives::LIMITS, &mut settings).err();
     let settings = &settings;
     let started = Started {
         clocks,

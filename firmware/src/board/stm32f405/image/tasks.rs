@@ -2,14 +2,14 @@
 
 use super::shared::Locked;
 use super::{CLOCK_FAILED, Parts, STOP};
+use crate::board::alive::Tasks;
+use crate::board::cycles::CycleMeter;
 use crate::board::exchanged::Exchanged;
+use crate::board::log::EventLog;
 use crate::board::stm32f405::clocks::Source;
-use crate::board::stm32f405::cycles::CycleMeter;
-use crate::board::stm32f405::log::EventLog;
 use crate::board::stm32f405::outputs::CommonOutputs;
 use crate::board::stm32f405::serial::{Receiver, Sender};
 use crate::board::stm32f405::services::{self, BoardServices};
-use crate::board::stm32f405::watchdog::Tasks;
 use crate::drives::Drives;
 use crate::planner::Planner;
 use crate::protocol::{Decoder, HostCommand, HostMessage};

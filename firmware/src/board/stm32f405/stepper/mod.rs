@@ -9,8 +9,9 @@ pub mod timers;
 
 use super::clocks::Source;
 use super::image::Parts;
-use super::post_mortem::{EndCause, reset_after};
+use super::post_mortem::reset_after;
 use super::services::OnBoard;
+use crate::board::end_cause::EndCause;
 use crate::drives::{BlindStepDrives, StepCommand, StepSample};
 use crate::protocol::Board;
 use crate::settings::BoardLimits;

@@ -4,9 +4,9 @@
 //! resistor that pulls its enable high: while the chip is in reset, or its cable is off, the motors have no power.
 
 use crate::board::stm32f405::gpio::{self, In, Out, Resistor};
-use crate::board::stm32f405::pins::{self, Home1, Home4, Level, Stop};
-use crate::drivers::Inputs;
+use crate::board::stm32f405::pins::{self, Home1, Home4, Stop};
 use crate::drivers::boards::{BUILT, Peripheral, StepperPins};
+use crate::drivers::{Inputs, Level};
 
 /// The pins of this board.
 pub const PINS: StepperPins = BUILT.stepper();

@@ -1,0 +1,96 @@
+//! The servos of both joints: from units of their pulses to pulses in frames.
+
+use super::clocks::CORE;
+use super::pulses::Pulses;
+use crate::ArmCommand;
+use crate::drives::StepCommand;
+use crate::settings::{CheckedSettings, ServoPulse};
+
+/// Clocks of a microsecond.
+const MICROSECOND: u32 = CORE / 1_000_000;
+/// Clocks of a unit: half a microsecond.
+const UNIT: i32 = MICROSECOND.cast_signed() / 2;
+/// Ticks in a second.
+const TICK_RATE: f32 = 1e4;
+
+/// Both servos.
+pub struct Servos {
+    pulses: Pulses,
+    axes: [Axis; 2],
+}
+
+/// One servo.
+#[derive(Clone, Copy, Default)]
+struct Axis {
+    /// Clocks of the pulse at home.
+    home: i32,
+    /// Units by which the pulse is longer.
+    units: i32,
+    /// Ticks from one pulse to the next.
+    frame: u32,
+    /// Ticks until the next pulse.
+    until_pulse: u32,
+}
+
+impl Servos {
+    /// Without pulses.
+    pub fn new(pulses: Pulses) -> Self {
+        Self {
+            pulses,
+            axes: Default::default(),
+        }
+    }
+
+    /// Takes the pulses from settings. The arm has no power, and a new controller counts from 0. Without pulses of servos in the
+    /// settings, as on a board that has none yet, none is made.
+    pub fn use_settings(&mut self, settings: &CheckedSettings) {
+        self.axes = settings
+            .servo_pulses()
+            .map_or_else(Default::default, |pulses| {
+                pulses.map(|pulse| Axis {
+                    home: (pulse.home_width * CORE as f32 + 0.5) as i32,
+                    frame: (TICK_RATE / pulse.frame_rate + 0.5) as u32,
+                    ..Axis::default()
+                })
+            });
+    }
+
+    /// The units made: the counts of the joints.
+    #[inline]
+    pub fn units(&self) -> [i32; 2] {
+        let [axis1, axis4] = &self.axes;
+        [axis1.units, axis4.units]
+    }
+
+    /// Applies an actuator command: its units are in the pulses that begin after this tick.
+    #[inline]
+    pub fn apply(&mut self, command: &ArmCommand<StepCommand>) {
+        let (steps, enable) = (command.drives.steps, command.enable);
+        for (machine, (axis, (steps, powered))) in self
+            .axes
+            .iter_mut()
+            .zip(steps.into_iter().zip(enable))
+            .enumerate()
+        {
+            if let Some(clocks) = axis.pulse(powered) {
+                self.pulses.make(machine, clocks);
+            }
+            axis.units = axis.units.wrapping_add(steps);
+        }
+    }
+}
+
+impl Axis {
+    /// The clocks of the pulse that begins in this tick. Two begin at least a frame apart, also where the power was off.
+    #[inline]
+    fn pulse(&mut self, powered: bool) -> Option<u32> {
+        let begins = powered && self.frame > 0 && self.until_pulse == 0;
+        if begins {
+            self.until_pulse = self.frame;
+        }
+        self.until_pulse = self.until_pulse.saturating_sub(1);
+        let clocks = self.home.wrapping_add(self.units.wrapping_mul(UNIT));
+        let [least, greatest] = ServoPulse::WIDTHS.map(|width| width * MICROSECOND);
+        begins.then_some((clocks.max(0) as u32).clamp(least, greatest))
+    }
+}

@@ -1,0 +1,19 @@
+#![doc = include_str!("../README.md")]
+
+mod acquire;
+mod board;
+mod bus;
+mod chip;
+mod fpu;
+mod image;
+mod line;
+mod pins;
+mod rom;
+mod uart;
+mod watchdog;
+
+pub use bus::Violation;
+pub use chip::{Chip, HZ};
+pub use image::{Image, ImageError};
+pub use line::HostLine;
+pub use pins::{Pulse, SERVO, Wires};

@@ -1,0 +1,63 @@
+//! The host's end of the serial line. Time passes in the chip while the host waits.
+
+use crate::chip::{Chip, HZ};
+use fivebar_sim::link::READ;
+use std::cell::{RefCell, RefMut};
+use std::io::{self, ErrorKind, Read, Write};
+use std::rc::Rc;
+use std::time::Duration;
+
+/// The host looks for bytes so often [cycles].
+const SLICE: u64 = HZ / 20_000;
+
+/// A serial line to a chip. Clones are ends of the same line.
+#[derive(Clone)]
+pub struct HostLine {
+    chip: Rc<RefCell<Chip>>,
+}
+
+impl HostLine {
+    /// The host's end of this chip's line.
+    pub fn new(chip: Chip) -> Self {
+        let chip = Rc::new(RefCell::new(chip));
+        Self { chip }
+    }
+
+    /// The chip, while the host does not wait.
+    pub fn chip(&self) -> RefMut<'_, Chip> {
+        self.chip.borrow_mut()
+    }
+
+    /// The chip's time.
+    pub fn time(&self) -> Duration {
+        Duration::from_nanos(self.chip().now() * 20 / 3)
+    }
+}
+
+impl Read for HostLine {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let mut chip = self.chip();
+        let end = chip.now() + READ.as_nanos() as u64 * 3 / 20;
+        let mut received = chip.receive(bytes.len());
+        while received.is_empty() {
+            if chip.now() >= end {
+                return Err(ErrorKind::TimedOut.into());
+            }
+            chip.run(SLICE).map_err(io::Error::other)?;
+            received = chip.receive(bytes.len());
+        }
+        bytes[..received.len()].copy_from_slice(&received);
+        Ok(received.len())
+    }
+}
+
+impl Write for HostLine {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.chip().send(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

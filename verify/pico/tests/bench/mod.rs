@@ -1,0 +1,186 @@
+//! The image on the simulated Pico 2, and the loop in this process to compare with.
+
+use fivebar_files::robot::Robot;
+use fivebar_firmware::controller::{ArmController, Request};
+use fivebar_firmware::drives::{StepDrives, StepSample};
+use fivebar_firmware::planner::Planner;
+use fivebar_firmware::protocol::{CommandError, HostCommand, Identity, Reply};
+use fivebar_firmware::safety::State;
+use fivebar_firmware::{ArmSample, Move, MoveKind, Settings, Status};
+use fivebar_pico::{Chip, HZ, HostLine, Image};
+use fivebar_sim::link::Client;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// Cycles of a tick.
+pub(crate) const PERIOD: u64 = HZ / 10_000;
+
+/// More ticks than the job takes.
+const JOB_TICKS: u64 = 30_000;
+
+/// The path of the image, which is built from the sources beside this folder, or of the one that PICO_IMAGE names.
+pub(crate) fn path() -> &'static Path {
+    static PATH: OnceLock<PathBuf> = OnceLock::new();
+    PATH.get_or_init(|| {
+        if let Some(path) = std::env::var_os("PICO_IMAGE") {
+            return path.into();
+        }
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/pico.sh");
+        // The target folder of this crate is not that of the image.
+        let mut build = Command::new(script);
+        let output = build.arg("image").env_remove("CARGO_TARGET_DIR").output();
+        let output = output.expect("the script runs");
+        let text = String::from_utf8_lossy(&output.stdout);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{text}{errors}");
+        PathBuf::from(text.lines().last().expect("a path"))
+    })
+}
+
+/// A host connected to a chip, whose settings are in use.
+pub(crate) struct Bench {
+    pub(crate) client: Client<HostLine>,
+    pub(crate) line: HostLine,
+    pub(crate) identity: Identity,
+    pub(crate) robot: Robot,
+    pub(crate) settings: Settings,
+}
+
+impl Bench {
+    pub(crate) fn new() -> Self {
+        let image = Image::read(path()).expect("an image");
+        let mut chip = Chip::new(&image);
+        chip.run(HZ / 100).expect("it starts");
+        let line = HostLine::new(chip);
+        let (mut client, identity) = open(&line);
+        let robot = Robot::load("classroom_servo").expect("a built-in robot");
+        let settings = robot.settings().expect("settings");
+        let applied = client.write_settings(&settings).expect("a line");
+        applied.expect("the settings are applied");
+        Self {
+            client,
+            line,
+            identity,
+            robot,
+            settings,
+        }
+    }
+
+    /// The host begins a new session, as after a reset.
+    pub(crate) fn connect_again(&mut self) -> Identity {
+        let (client, identity) = open(&self.line);
+        self.client = client;
+        identity
+    }
+
+    pub(crate) fn request(&mut self, request: Request) -> Result<(), CommandError> {
+        let command = HostCommand::Request(request);
+        self.client.command(command).expect("it answers")
+    }
+
+    pub(crate) fn status(&mut self) -> Status {
+        self.client.status().expect("it answers").0
+    }
+
+    pub(crate) fn save(&mut self) {
+        let saved = self.client.call(HostCommand::SaveSettings);
+        assert_eq!(saved.expect("it answers"), Reply::Done);
+    }
+
+    /// The servos have pulses.
+    pub(crate) fn power(&mut self) {
+        self.request(Request::Home).expect("accepted");
+        while self.status().state == State::Homing {}
+        self.request(Request::Arm).expect("armed");
+        while self.status().state != State::Armed {}
+        // A pulse has begun.
+        self.line.chip().run(HZ / 1000).expect("it runs");
+    }
+
+    /// Hands over a job, which begins with a dwell, and waits for its end.
+    pub(crate) fn draw(&mut self, job: &[Move]) {
+        self.power();
+        for next in job {
+            let reply = self.client.call(HostCommand::Move(*next));
+            assert!(matches!(reply, Ok(Reply::Taken { .. })), "{reply:?}");
+        }
+        for _ in 0..JOB_TICKS / 500 {
+            let status = self.status();
+            assert_eq!((status.fault, status.missed_ticks), (None, 0));
+            self.line.chip().run(500 * PERIOD).expect("it runs");
+        }
+        assert_eq!(self.status().state, State::Armed);
+    }
+}
+
+fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
+    Client::open_with_clock(line.clone(), HostLine::time).expect("it answers")
+}
+
+/// A dwell, a line, a half circle and a line back: no more than the queue holds.
+pub(crate) fn commands(robot: &Robot) -> Vec<Move> {
+    let [x, y] = robot
+        .best_point()
+        .expect("a reachable point")
+        .map(|x| x as f32);
+    let feed = 0.03;
+    let kinds = [
+        MoveKind::Dwell { duration: 0.2 },
+        MoveKind::Line { to: [x, y], feed },
+        MoveKind::Arc {
+            to: [x + 0.01, y],
+            center: [x + 0.005, y],
+            clockwise: true,
+            feed,
+        },
+        MoveKind::Line { to: [x, y], feed },
+    ];
+    (1..)
+        .zip(kinds)
+        .map(|(tag, kind)| Move { tag, tool: 0, kind })
+        .collect()
+}
+
+/// The units of both pulses after each tick of the same job in this process, by the controller of the desktop's loop.
+pub(crate) fn desktop(settings: &Settings, job: &[Move]) -> Vec<[i32; 2]> {
+    let settings = settings.check().expect("valid settings");
+    let mut controller = ArmController::<StepDrives>::new(&settings);
+    let mut planner = Planner::new(&settings);
+    let mut made = [0_i32; 2];
+    let mut units = Vec::new();
+    let mut tick = |controller: &mut ArmController<StepDrives>| {
+        controller.feed_host_timeout();
+        let drives = StepSample {
+            steps: made,
+            ..StepSample::default()
+        };
+        let command = controller.tick(&ArmSample {
+            counts: made,
+            drives,
+            ..ArmSample::default()
+        });
+        for (made, steps) in made.iter_mut().zip(command.drives.steps) {
+            *made += steps;
+        }
+        units.push(made);
+    };
+    tick(&mut controller);
+    controller.request(Request::Home).expect("accepted");
+    while controller.state() != State::Stopped || !controller.status().homed {
+        tick(&mut controller);
+    }
+    controller.request(Request::Arm).expect("armed");
+    for _ in 0..1000 {
+        tick(&mut controller);
+    }
+    for next in job {
+        planner.push(&mut controller, next).expect("a valid move");
+    }
+    for _ in 0..JOB_TICKS {
+        planner.run(&mut controller);
+        tick(&mut controller);
+    }
+    assert_eq!(controller.state(), State::Armed, "the job has ended");
+    units
+}
