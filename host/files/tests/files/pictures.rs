@@ -358,7 +358,7 @@ fn a_picture_without_a_kind_is_drawn_by_its_outlines_and_what_cannot_be_drawn_is
     let bytes = png([60, 60], 1, disc([30.0, 30.0], 20.0));
     let job = read(&bytes, &JobOptions::default()).unwrap();
     let notes: Vec<String> = job.warnings.iter().map(ToString::to_string).collect();
-    let expected = "the picture is drawn by its outlines; --trace has outline, centre-line, tone, stipple, one-line";
+    let expected = "the picture is drawn by its outlines; --picture has outline, centre-line, tone, stipple, one-line";
     assert_eq!(notes, [expected]);
     let white = read(&png([60, 60], 1, |_| 0.0), &by(Trace::Tone)).unwrap_err();
     assert!(

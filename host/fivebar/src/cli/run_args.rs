@@ -83,7 +83,7 @@ pub(super) struct ReadingArgs {
 #[derive(clap::Args)]
 struct DrawingArgs {
     /// How a PNG or a JPEG becomes strokes, by default outline. Its longer side is 100 mm at --scale 1.
-    #[arg(long, value_name = "outline|centre-line|tone|stipple|one-line", value_parser = trace)]
+    #[arg(long = "picture", value_name = "outline|centre-line|tone|stipple|one-line", value_parser = trace)]
     trace: Option<Trace>,
     /// The darkness of a picture that becomes ink, 0 to 1; with tone, stipple and one-line half as much ink as black. By
     /// default what divides the picture best, or 0.5.

@@ -164,7 +164,7 @@ fn the_least_error_is_sought_under_stated_tolerances_only() {
     let output = fivebar(&["design", file.to_str().unwrap(), "--json"]);
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     let error = number(&answer["best"]["error"]);
-    // The search of the library's own test finds 96.9 µm.
-    assert!((error - 96.9e-6).abs() < 0.5e-6, "{error}");
+    // The library's own tests compare the error of each arm with the analysis of its accuracy.
+    assert!((error - 91.2e-6).abs() < 0.5e-6, "{error}");
     assert_eq!(answer["proved"], true);
 }

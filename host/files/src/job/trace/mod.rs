@@ -43,7 +43,7 @@ pub(super) fn interpret(
     if options.trace.is_none() {
         let names = Trace::ALL.map(Trace::name).join(", ");
         note(format!(
-            "the picture is drawn by its outlines; --trace has {names}"
+            "the picture is drawn by its outlines; --picture has {names}"
         ));
     }
     if shrunk > 1 {
