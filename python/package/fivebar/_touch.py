@@ -11,6 +11,9 @@ from ._shapes import pair
 
 Point = Sequence[float]
 
+#: The controller damps an arm that has had no point for 20 ms [1/s].
+SLOWEST = 50.0
+
 
 class Fixture(NamedTuple):
     """A wall or a guide of :meth:`fivebar.LiveArm.impedance`. Walls push the tip out and never pull, guides pull it on.
@@ -113,6 +116,10 @@ def begin(
     rate: float,
 ) -> Impedance:
     """Begins a stream with an impedance."""
+    if not all(isinstance(it, Fixture) for it in fixtures):
+        raise FivebarError(f"fixtures must be a sequence of Fixture, not {fixtures!r}")
+    if rate <= SLOWEST:
+        raise FivebarError(f"rate must be more than {SLOWEST:.0f} points per second, not {rate!r}: slower ones leave the arm damped")
     told = [(it.kind, list(it.numbers), float(it.stiffness), float(it.damping)) for it in fixtures]
     connection.begin_impedance(
         _matrix("stiffness", stiffness), _matrix("damping", damping), told, rate
