@@ -8,9 +8,9 @@ import pytest
 import fivebar
 from fivebar import Fixture
 
-#: How far from a spring's end the tip may rest at 60 N/m [m]: the controller compensates 0.7 of the dry friction, and the
-#: current sensors' zero has an error.
-FRICTION = 1e-3
+#: How far from a spring's end the tip may rest at 60 N/m [m]. The controller leaves 0.3 of the dry friction of 9 mN·m, and the
+#: error of the current sensors' zero makes 1.5 mN·m; the lever is 48 mm.
+FRICTION = 1.5e-3
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +45,17 @@ def test_a_spring_pulls_the_tip_as_far_as_its_end_moves(live, step):
     assert there == pytest.approx(step, abs=FRICTION)
     back = rest(live, start, 60.0)
     assert back == pytest.approx(start, abs=FRICTION)
+
+
+@pytest.mark.parametrize("rate", [60.0, 200.0, 500.0])
+def test_each_point_is_a_period_after_the_one_before(live, rate):
+    with live.impedance(60.0, 0.02, rate=rate) as spring:
+        spring.tip(*live.state.tool)
+        begun = live.state.time
+        for _ in range(400):
+            spring.tip(*live.state.tool)
+        # The program sees the time in steps of 10 ms.
+        assert live.state.time - begun == pytest.approx(400 / rate, abs=0.03)
 
 
 @pytest.mark.parametrize("stiffness", [40.0, 80.0])

@@ -220,7 +220,8 @@ class LiveArm:
         ...     print(round(arm.state.tool[1] - y, 3))
         0.01
 
-        stiffness: [N/m], one number, or xx, xy, yy. What is stiffer than the arm can render is refused with the greatest one.
+        stiffness: [N/m], one number, or xx, xy, yy. What is stiffer than the arm can render here, with all walls and guides, is
+            refused with the greatest one.
         damping: [N s/m], likewise.
         fixtures: at most three walls and guides.
         rate: points per second [1/s], more than 50.

@@ -69,9 +69,9 @@ class Fixture(NamedTuple):
 class Impedance:
     """Springs at the tip of an arm; :meth:`fivebar.LiveArm.impedance` makes it.
 
-    Each call is one point, a period after the one before, for which it waits. A program that gives none for 20 ms lets the arm be
-    damped, and its next point lets it give way again; 150 ms later the arm is held, and the next call, or the end of the
-    ``with`` block, raises :class:`fivebar.ControllerError`.
+    Each call is one point, a period after the one before, for which it waits. What the arm cannot render is refused at the first
+    one. A program that gives none for 20 ms lets the arm be damped, and its next point lets it give way again; 150 ms later the
+    arm is held. The next call, or the end of the ``with`` block, raises :class:`fivebar.ControllerError` then.
     """
 
     def __init__(self, connection: _native.Connection) -> None:
