@@ -15,8 +15,8 @@ from ._errors import FivebarError
 from ._shapes import pair
 from ._simulation import scenario_of
 from ._stream import Stream
-from ._touch import Fixture, Impedance, begin
 from ._teaching import TaughtPath
+from ._touch import Fixture, Impedance, begin
 
 Pair = Tuple[float, float]
 
@@ -30,7 +30,7 @@ class ArmState:
     """What a controller tells of its arm. Pairs are (joint 1, joint 4) or (x, y)."""
 
     #: ``"Stopped"`` (motors off), ``"Homing"``, ``"Armed"`` (motors on, at rest), ``"Running"``, ``"Stopping"``,
-    #: ``"Crossing"``, ``"Exciting"``, ``"Compliant"`` (a hand leads it) or ``"Fault"``.
+    #: ``"Crossing"``, ``"Exciting"``, ``"Compliant"`` (a hand leads it, or it is a spring) or ``"Fault"``.
     state: str
     #: The latched fault; None if there is none.
     fault: Optional[str]
@@ -220,7 +220,8 @@ class LiveArm:
         ...     print(round(arm.state.tool[1] - y, 3))
         0.01
 
-        stiffness: [N/m], one number, or xx, xy, yy. What is stiffer than the arm can render is refused with the greatest one.
+        stiffness: [N/m], one number, or xx, xy, yy. What is stiffer than the arm can render here, with all walls and guides, is
+            refused with the greatest one.
         damping: [N s/m], likewise.
         fixtures: at most three walls and guides.
         rate: points per second [1/s], more than 50.

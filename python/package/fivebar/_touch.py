@@ -11,6 +11,9 @@ from ._shapes import pair
 
 Point = Sequence[float]
 
+#: The controller damps an arm that has had no point for 20 ms [1/s].
+SLOWEST = 50.0
+
 
 class Fixture(NamedTuple):
     """A wall or a guide of :meth:`fivebar.LiveArm.impedance`. Walls push the tip out and never pull, guides pull it on.
@@ -66,9 +69,9 @@ class Fixture(NamedTuple):
 class Impedance:
     """Springs at the tip of an arm; :meth:`fivebar.LiveArm.impedance` makes it.
 
-    Each call is one point, a period after the one before, for which it waits. A program that gives none for 20 ms lets the arm be
-    damped, and its next point lets it give way again; 150 ms later the arm is held, and the next call, or the end of the
-    ``with`` block, raises :class:`fivebar.ControllerError`.
+    Each call is one point, a period after the one before, for which it waits. What the arm cannot render is refused at the
+    first one. A program that gives none for 20 ms lets the arm be damped, and its next point lets it give way again; 150 ms
+    later the arm is held. The next call, or the end of the ``with`` block, raises :class:`fivebar.ControllerError` then.
     """
 
     def __init__(self, connection: _native.Connection) -> None:
@@ -113,6 +116,12 @@ def begin(
     rate: float,
 ) -> Impedance:
     """Begins a stream with an impedance."""
+    if not all(isinstance(it, Fixture) for it in fixtures):
+        raise FivebarError(f"fixtures must be a sequence of Fixture, not {fixtures!r}")
+    if rate <= SLOWEST:
+        raise FivebarError(
+            f"rate must be more than {SLOWEST:.0f} points per second, not {rate!r}: slower ones leave the arm damped"
+        )
     told = [(it.kind, list(it.numbers), float(it.stiffness), float(it.damping)) for it in fixtures]
     connection.begin_impedance(
         _matrix("stiffness", stiffness), _matrix("damping", damping), told, rate

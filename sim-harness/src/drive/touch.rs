@@ -101,7 +101,11 @@ impl<C: Controlled> Drive<'_, C> {
                     n = n.wrapping_add(1);
                     let point = spring_end(config.id, &point);
                     self.controller.client().send_point(n, &point)?;
-                    due = tick.wrapping_add(config.period.into());
+                    due = due.wrapping_add(config.period.into());
+                    // A program that is later than the delay goes on from now.
+                    if tick.wrapping_sub(due) as i32 > config.delay.into() {
+                        due = tick;
+                    }
                 }
                 Given::Nothing => self.controller.pass_time()?,
                 Given::End => return Ok(()),

@@ -74,6 +74,7 @@ const SAME: [(char, char); 10] = [
 ];
 
 /// Every character that has a glyph.
+#[cfg(any(feature = "svg", test))]
 pub(crate) fn characters() -> impl Iterator<Item = char> {
     let composed = COMPOSED.iter().flat_map(|(_, letters, _)| letters.chars());
     let same = SAME.iter().map(|&(of, _)| of);
