@@ -40,23 +40,48 @@ pub struct RenderingBounds {
     pub(crate) joints: JointDamping<f32>,
 }
 
+/// The loop that renders, from which its bounds follow: they are computed when a stream begins, because that takes a while.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RenderingLoop {
+    /// [s]
+    period: f32,
+    /// [rad/s]
+    observer_bandwidth: f32,
+    /// Of the torques [s].
+    lag: f32,
+    /// Of each joint's encoder [s].
+    latencies: [f32; 2],
+    joints: JointDamping<f32>,
+}
+
+impl RenderingLoop {
+    fn new<D: Drives>(settings: &CheckedSettings) -> Self {
+        let axes = settings.axes.each_ref();
+        Self {
+            period: 1.0 / settings.control.tick_rate,
+            observer_bandwidth: settings.control.observer_bandwidth,
+            lag: D::lag(settings, Stage::Moves),
+            latencies: axes.map(|axis| axis.encoder_latency),
+            joints: JointDamping::new(axes.map(|axis| axis.viscous_friction)),
+        }
+    }
+
+    /// Its bounds.
+    pub(crate) fn bounds(&self) -> RenderingBounds {
+        let [lag1, lag4] = self.latencies.map(|latency| {
+            RenderingLag::new(self.period, self.observer_bandwidth, self.lag, latency)
+        });
+        RenderingBounds {
+            lag: lag1.worse(&lag4),
+            joints: self.joints,
+        }
+    }
+}
+
 impl RenderingBounds {
     /// Of an arm with these drives and settings.
     pub fn new<D: Drives>(settings: &CheckedSettings) -> Self {
-        let control = &settings.control;
-        let (period, lag) = (1.0 / control.tick_rate, D::lag(settings, Stage::Moves));
-        let [lag1, lag4] = settings.axes.each_ref().map(|axis| {
-            RenderingLag::new(
-                period,
-                control.observer_bandwidth,
-                lag,
-                axis.encoder_latency,
-            )
-        });
-        Self {
-            lag: lag1.worse(&lag4),
-            joints: JointDamping::new(settings.axes.each_ref().map(|axis| axis.viscous_friction)),
-        }
+        RenderingLoop::new::<D>(settings).bounds()
     }
 
     /// The greatest stiffness along one direction without dampers [N/m], with these columns of the tool's Jacobian [m]: the least
@@ -132,7 +157,7 @@ pub(super) struct ToolState {
 /// The constants of rendering.
 #[derive(Clone)]
 pub(super) struct Renderer {
-    pub(super) bounds: RenderingBounds,
+    of: RenderingLoop,
     pub(super) tank: EnergyTank<f32>,
     period: f32,
     per_rise: f32,
@@ -143,7 +168,7 @@ impl Renderer {
         let rate = settings.control.tick_rate;
         let lag = D::lag(settings, Stage::Moves);
         Self {
-            bounds: RenderingBounds::new::<D>(settings),
+            of: RenderingLoop::new::<D>(settings),
             tank: EnergyTank::new(RenderingLag::gain(1.0 / rate, lag)),
             period: 1.0 / rate,
             per_rise: 1.0 / (RISE * rate),
@@ -177,7 +202,7 @@ impl Renderer {
         add(first);
         add(second);
         add(third);
-        let load = self.bounds.joints.load(demand, tool.jacobian);
+        let load = self.of.joints.load(demand, tool.jacobian);
         let pose = if load > 1.0 { 1.0 / load } else { 1.0 };
         let risen = rendered.rise + self.per_rise;
         rendered.rise = if risen < 1.0 { risen } else { 1.0 };
@@ -271,9 +296,9 @@ impl Rendered {
 }
 
 impl<D: Drives> ArmController<D> {
-    /// What bounds the springs that this arm may render.
-    pub(crate) fn rendering_bounds(&self) -> RenderingBounds {
-        self.touch.renderer.bounds
+    /// The loop by which this arm renders springs.
+    pub(crate) fn rendering_loop(&self) -> RenderingLoop {
+        self.touch.renderer.of
     }
 
     /// Stores a wall or a guide of the stream that begins next.

@@ -25,7 +25,9 @@ impl Planner {
         hold: Option<Hold>,
         impedance: &Impedance,
     ) -> Result<Rendering, StreamError> {
-        let bounds = controller.lock(|controller| controller.rendering_bounds());
+        let bounds = controller
+            .lock(|controller| controller.rendering_loop())
+            .bounds();
         let tool = &self.envelope.workspace.tool;
         let held = hold.and_then(|hold| Some((hold.tool(tool, self.assembly)?, hold.joints())));
         let (target, [theta1, theta4]) = held.ok_or(StreamError::Moving)?;
