@@ -98,12 +98,12 @@ fuzz() {
 commands() { scripts/commands.sh; }
 demo() { cargo run --quiet "${with_features[@]}" -- --out "$built/demonstration"; }
 
-all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip pico emulated machine bring_up senders)
+all=(format file_lengths words links arrows actions mistakes licences advisories targets c setup firmware lint docs tests demo commands peers python browser emulated_senders chip emulated machine bring_up senders)
 # These compile nearly everything once more, in another way. A release needs them; a push takes them as jobs of their own.
-by_name=(ros fuzz package mutants msrv semver)
+by_name=(pico ros fuzz package mutants msrv semver)
 # A whole run does these beside the steps after `firmware`, because many steps keep only one of two cores busy. They
 # build in folders of their own, or with the features of the other steps: the program in `target` is theirs.
-beside=(chip pico emulated emulated_senders)
+beside=(chip emulated emulated_senders)
 # These come last and alone: they talk with an arm that moves in real time.
 alone=(machine bring_up senders)
 
