@@ -61,9 +61,9 @@ def check(page):
         time.sleep(PAUSE)
         assert page.state() == "Armed", "loading runs nothing"
         browser.wait("the outline", lambda: "1 stroke ·" in browser.text("#size"))
-        choose(browser, "read-trace", "tone")
+        choose(browser, "read-trace", "2")
         browser.wait("the tones", lambda: " strokes ·" in browser.text("#size"))
-        choose(browser, "read-trace", "")
+        choose(browser, "read-trace", "0")
         browser.wait("the outline", lambda: "1 stroke ·" in browser.text("#size"))
         choose(browser, "read-columns", "2")
         browser.wait("two copies", lambda: "2 strokes ·" in browser.text("#size"))

@@ -3,6 +3,9 @@
 const at = (name) => document.getElementById(`read-${name}`);
 const LENGTHS = ["hatch", "speed", "pen_height", "gap"];
 const FIELDS = [...LENGTHS, "trace", "level", "columns", "rows"];
+// What a picture becomes, from left to right. No list of the browser: it would take the Esc of an emergency stop.
+const TRACES = [[null, "outline"], ["centre-line", "centre line"], ["tone", "lines by tone"], ["stipple", "dots"],
+  ["one-line", "one line"]];
 const MILLIMETRE = 1e-3;
 const PERCENT = 1e-2;
 
@@ -12,7 +15,7 @@ function values() {
   const copies = ["columns", "rows"].map((name) => number(name, 1));
   return {
     ...Object.fromEntries(LENGTHS.map((name) => [name, number(name, MILLIMETRE)])),
-    trace: at("trace").value || null,
+    trace: TRACES[at("trace").value][0],
     level: number("level", PERCENT) || null,
     copies: copies.every((count) => count === null) ? null : copies.map((count) => count ?? 1),
   };
@@ -28,7 +31,9 @@ export function showReading(reading) {
   for (const name of LENGTHS) {
     at(name).value = reading[name] === null ? "" : Number((reading[name] / MILLIMETRE).toFixed(4));
   }
-  at("trace").value = reading.trace ?? "";
+  const trace = TRACES.findIndex(([name]) => name === (reading.trace === "outline" ? null : reading.trace));
+  at("trace").value = trace;
+  document.getElementById("trace-name").textContent = TRACES[trace][1];
   at("level").value = reading.level === null ? 0 : Math.round(reading.level / PERCENT);
   [at("columns").value, at("rows").value] = reading.copies ?? ["", ""];
 }
