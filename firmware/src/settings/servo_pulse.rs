@@ -23,7 +23,7 @@ pub struct ServoPulse {
 }
 
 impl ServoPulse {
-    /// The shortest and the longest pulse that any servo takes in microseconds.
+    /// The shortest and the longest pulse that any servo takes, in microseconds.
     pub const WIDTHS: [u32; 2] = [300, 2700];
     /// The least and the greatest number of pulses in a second [Hz]: of analogue and of digital servos.
     pub const FRAME_RATES: [f32; 2] = [50.0, 333.0];
