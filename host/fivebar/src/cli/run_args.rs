@@ -83,8 +83,8 @@ pub(super) struct ReadingArgs {
 #[derive(clap::Args)]
 struct DrawingArgs {
     /// How a PNG or a JPEG becomes strokes, by default outline. Its longer side is 100 mm at --scale 1.
-    #[arg(long, value_name = "outline|centre-line|tone|stipple|one-line", value_parser = picture)]
-    picture: Option<Trace>,
+    #[arg(long = "picture", value_name = "outline|centre-line|tone|stipple|one-line", value_parser = picture)]
+    picture_as: Option<Trace>,
     /// The darkness of a picture that becomes ink, 0 to 1; with tone, stipple and one-line half as much ink as black. By
     /// default what divides the picture best, or 0.5.
     #[arg(long, value_name = "SHARE", value_parser = level)]
@@ -100,7 +100,7 @@ struct DrawingArgs {
 impl DrawingArgs {
     fn added_to(&self, options: JobOptions) -> JobOptions {
         JobOptions {
-            trace: self.picture,
+            trace: self.picture_as,
             level: self.level,
             copies: self.copies.unwrap_or(options.copies),
             gap: self.gap.unwrap_or(options.gap),
