@@ -33,6 +33,7 @@ ARMS = {
     "mit": [*9 * [""], "can", "mit", *12 * [""]],
     "new": ["", "", "0.1", *6 * [""], "stepper", "-5", "400", "8", "0.3", *12 * [""]],
 }
+SETTLES = 0.25  # mm
 LONGEST = 1200 if "--emulated" in sys.argv else 120  # s
 
 
@@ -144,12 +145,15 @@ def grbl(program, options):
     from grbl_streamer import GrblStreamer
 
     lines, strokes = job()
-    errors, events = [], []
+    errors, rests = [], []
 
     def callback(event, *data):
-        events.append(event)
         if event == "on_error":
             errors.append(data)
+        # The place is taken with the mode of the same report: the sender's own fields are written
+        # one after another, while this thread reads them.
+        if event == "on_stateupdate" and data[0] == "Hold:0":
+            rests.append(data[1])
 
     with Bridge(program, options) as bridge:
         sender = GrblStreamer(callback)
@@ -164,10 +168,15 @@ def grbl(program, options):
         sender.job_run()
         wait("a part of the job", lambda: sender.cmpos[1] < -5 and sender.cmpos[0] > 4)
         sender.hold()
-        wait("the arm at rest", lambda: sender.cmode == "Hold:0")
-        held = sender.cmpos
+        wait("the arm at rest", lambda: rests)
+        held = rests[0]
+        # The reference rests. Against friction, the loops of a drive on a bus take out what remains
+        # of the error in about 0.6 s.
         time.sleep(1)
-        assert math.dist(held, sender.cmpos) < 0.1, (held, sender.cmpos)
+        settled = sender.cmpos
+        assert math.dist(held, settled) < SETTLES, (held, settled)
+        time.sleep(1)
+        assert math.dist(settled, sender.cmpos) < 0.02, (settled, sender.cmpos)
         sender.resume()
         wait("the end of the job", lambda: sender.job_finished and sender.cmode == "Idle")
         assert not errors, errors
