@@ -84,7 +84,7 @@ impl Machine {
 
 #[cfg(test)]
 mod tests {
-    use super::{DriveKind, Machine};
+    use super::{Board, DriveKind, Machine};
     use crate::link::motors_of;
 
     #[test]
@@ -97,6 +97,10 @@ mod tests {
                 let fitting = machines.iter().filter(|other| other.fits(board));
                 assert_eq!(fitting.count(), 1, "{board:?}");
             }
+            assert!(!machine.fits(Board::Rp2350Servo), "{}", machine.motors);
         }
+        let servos = Machine::of(DriveKind::Servo);
+        assert_eq!(motors_of(Board::Rp2350Servo), servos.motors);
+        assert!(servos.fits(Board::Rp2350Servo) && !servos.fits(Board::Stm32f405Stepper));
     }
 }

@@ -72,3 +72,30 @@ fn the_wiring_of_drives_on_a_bus_names_every_pin_that_their_image_uses() {
         &[section("Drives on a CAN bus"), drawing],
     );
 }
+
+/// The names of a Pico 2's pins in a text: GP, the number.
+fn pico_pins(text: &str) -> BTreeSet<&str> {
+    text.split(|letter: char| !letter.is_ascii_alphanumeric())
+        .filter(|word| {
+            let number = word.strip_prefix("GP");
+            number.is_some_and(|number| number.parse::<u8>().is_ok())
+        })
+        .collect()
+}
+
+#[test]
+fn the_wiring_of_hobby_servos_names_the_pins_that_their_image_uses_and_no_others() {
+    let source = include_str!("../../../firmware/src/board/rp2350/pins.rs");
+    let used: Vec<String> = source
+        .lines()
+        .filter_map(|line| line.strip_prefix("pub const ")?.split_once(" = "))
+        .flat_map(|(_, value)| value.split(|letter: char| !letter.is_ascii_digit()))
+        .filter(|number| !number.is_empty())
+        .map(|number| format!("GP{number}"))
+        .collect();
+    assert_eq!(used.len(), 7, "{used:?}");
+    let used: BTreeSet<_> = used.iter().map(String::as_str).collect();
+    let drawing = include_str!("../../../docs/use/wiring-servos.svg");
+    assert_eq!(pico_pins(drawing), used);
+    assert_eq!(pico_pins(section("Hobby servos")), used);
+}

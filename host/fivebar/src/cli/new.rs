@@ -3,9 +3,10 @@
 use super::failure::{Failure, refused};
 use super::questions::{ARM, Question, about_drives, about_hanging, about_motors};
 use super::say::{hint, leave_output_to, say, warn};
-use fivebar_files::robot::{BuiltIn, Draft, DraftError, Motors};
+use fivebar_files::robot::{BuiltIn, Draft, DraftError, Motors, Robot};
 use fivebar_report::output::{STANDARD_OUTPUT, write_new};
 use fivebar_report::text::no_demo_scale;
+use fivebar_sim::machine::Machine;
 use fivebar_sim::simulation::find_demo_scale;
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
@@ -70,7 +71,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
     };
     write_new(&args.file, draft.text()).map_err(refused)?;
-    say(format_args!("Wrote {file}. {next_step}"))
+    let image = image_of(&draft.motors, &robot);
+    say(format_args!("Wrote {file}{image}. {next_step}"))
+}
+
+/// The image of a board for these motors, and where it stands how that is wired.
+fn image_of(motors: &Motors, robot: &Robot) -> String {
+    let image = Machine::of(robot.drive_kind()).board;
+    match motors {
+        Motors::Ideal => String::new(),
+        _ => format!(" for the image {image} (docs/use/wiring.md has its boards)"),
+    }
 }
 
 /// A file's name, quoted for a shell if necessary.

@@ -283,6 +283,24 @@ fn an_arm_that_cannot_draw_is_reported_with_the_reason_of_its_run() {
     }
 }
 
+#[test]
+fn the_image_of_a_board_is_named_for_each_kind_of_motor() {
+    let images = [
+        ("typical", " for the image stm32f405 ("),
+        ("stepper", " for the image stm32f405_stepper ("),
+        ("can", " for the image stm32f405_can ("),
+        ("servo", " for the image rp2350_servo ("),
+        ("ideal", "arm.toml. "),
+    ];
+    for (motors, named) in images {
+        let answers = ["", "", "", "", "", "", "", "", "", motors].join("\n") + &"\n".repeat(16);
+        let folder = tempfile::tempdir().unwrap();
+        let output = new(folder.path(), &[], &answers);
+        let wrote = String::from_utf8(output.stdout.clone()).unwrap();
+        assert!(wrote.contains(named), "{wrote} {}", message(&output));
+    }
+}
+
 /// The figures of the petal on the arm of these answers.
 fn petal_of(answers: &[&str]) -> (Robot, serde_json::Value) {
     let folder = tempfile::tempdir().unwrap();
