@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Tests the Python package as its users install it: with `pip install` from the checkout into a
-# fresh virtual environment. Then it runs the package's tests, type checks, examples and benchmark, and compares a
-# front of `fivebar design` with that of pymoo, from PyPI.
+# fresh virtual environment. Then it runs the package's tests and notebooks, type checks, examples and benchmark, and
+# compares a front of `fivebar design` with that of pymoo, from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh

@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 list=${1:-scripts/words.txt}
-texts=('*.md' '*.rs' '*.py' '*.sh' '*.js' '*.html' '*.css' '*.toml' '*.yml' ':!scripts/words.sh')
+texts=('*.md' '*.rs' '*.py' '*.ipynb' '*.sh' '*.js' '*.html' '*.css' '*.toml' '*.yml' ':!scripts/words.sh')
 count=0
 found=0
 while IFS= read -r line; do
