@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Tests the Python package as its users install it: with `pip install` from the checkout into a
 # fresh virtual environment. Then it runs the package's tests and notebooks, type checks, examples and benchmark, and
-# compares a front of `fivebar design` with that of pymoo, from PyPI.
+# compares a front of `fivebar design` with that of pymoo, from PyPI. It skips the tests of PyTorch, whose
+# wheel has 0.5 GB and needs 3 GB of libraries: after `pip install torch`, `pytest tests/test_torch.py` runs them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
@@ -19,7 +20,7 @@ if ! python3 -m venv "$venv"; then
     echo "python: python3 with its venv module is needed (Debian: apt-get install python3-venv)" >&2
     exit 1
 fi
-"$venv/bin/pip" install --quiet --disable-pip-version-check './python[test,cluster]' pymoo
+"$venv/bin/pip" install --quiet --disable-pip-version-check './python[test,cluster,jax]' pymoo
 root=$PWD
 python=$venv/bin/python
 out=$built/python-example

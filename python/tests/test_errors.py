@@ -1,5 +1,8 @@
 """The exceptions and their messages."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -116,3 +119,15 @@ def test_every_built_in_robot_loads_and_closes():
         assert arm.name == name and name in repr(arm)
         pose = arm.forward(arm.home, strict=True)
         assert (int(pose.elbow1), int(pose.elbow4)) == (arm.elbow1, arm.elbow4)
+
+
+@pytest.mark.parametrize("name", ["jax", "torch"])
+def test_a_library_is_imported_only_when_asked_for_and_named_if_missing(name):
+    program = f"""
+import sys, fivebar
+assert {name!r} not in sys.modules
+sys.modules[{name!r}] = None # as if it were not installed
+import fivebar.{name}
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert f"ImportError: fivebar.{name} needs {name}: pip install {name}" in done.stderr
