@@ -4,6 +4,7 @@ use super::failure::{Failure, refused};
 use super::length::{degrees, length, place, positive_length};
 use super::output::OutputArgs;
 use super::plan::share;
+use super::preparing::preparing;
 use super::say::warn;
 use super::value_error::ValueError;
 use fivebar_files::job::{Dialect, JobOptions, Trace};
@@ -219,7 +220,8 @@ impl JobArgs {
                 scale: self.scale.is_some(),
                 turn: self.rotate.is_some(),
             };
-            scenario.fit_to_reach(kept).map_err(refused)?;
+            let file = scenario.job_file.clone();
+            preparing("fitting", &file, || scenario.fit_to_reach(kept)).map_err(refused)?;
             warn(format_args!(
                 "{} is drawn with --scale {} --rotate {}",
                 scenario.job_file,
