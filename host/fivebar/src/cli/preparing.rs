@@ -15,7 +15,6 @@ fn shown<T>(bar: &ProgressBar, what: &str, file: &str, work: impl FnOnce() -> T)
     let style = ProgressStyle::with_template("{spinner} {wide_msg}  {elapsed}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     bar.set_message(format!("{what} {file} …"));
-    bar.tick();
     bar.enable_steady_tick(STEP);
     let done = work();
     bar.finish_and_clear();
