@@ -104,6 +104,34 @@ impl WorkspaceMap {
         cells.filter_map(|(index, cell)| Some((self.grid.cell_centre(index), cell.as_ref()?)))
     }
 
+    /// The map on which a cell is clear in this assembly mode only if all cells within `margin` [m] around it are.
+    #[must_use]
+    pub fn with_margin(mut self, assembly: Side, margin: f64) -> Self {
+        let [columns, rows] = [self.grid.columns(), self.grid.rows()].map(|it| it as i64);
+        let wide = ((margin / self.grid.pitch()).floor() as i64).min(columns.max(rows));
+        let offsets = (-wide..=wide).flat_map(|x| (-wide..=wide).map(move |y| [x, y]));
+        let disc: Vec<[i64; 2]> = offsets
+            .filter(|[x, y]| x * x + y * y <= wide * wide)
+            .collect();
+        let is_clear = |[column, row]: [i64; 2]| {
+            let is_inside = (0..columns).contains(&column) && (0..rows).contains(&row);
+            let cell = is_inside.then(|| self.cells[(row * columns + column) as usize]);
+            cell.flatten()
+                .is_some_and(|cell| cell.clear && cell.assembly == assembly)
+        };
+        let keeps = |index: usize| {
+            let [column, row] = [index as i64 % columns, index as i64 / columns];
+            disc.iter().all(|[x, y]| is_clear([column + x, row + y]))
+        };
+        let kept: Vec<bool> = (0..self.cells.len()).map(keeps).collect();
+        for (cell, kept) in self.cells.iter_mut().zip(kept) {
+            if let Some(cell) = cell {
+                cell.clear &= kept || cell.assembly != assembly;
+            }
+        }
+        self
+    }
+
     /// The areas of an assembly mode.
     pub fn areas(&self, assembly: Side) -> Areas {
         let cell_area = self.grid.pitch() * self.grid.pitch();

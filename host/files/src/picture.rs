@@ -18,7 +18,7 @@ const MOST_SCANS: usize = 20;
 /// Longest side [pixels].
 const LONGEST: usize = 40_000;
 
-const INCOMPLETE: &str = "the picture is not complete";
+const INCOMPLETE: &str = "the picture is not complete: copy it or save it again";
 
 /// The greys of a picture, row by row from the top.
 #[derive(Debug, PartialEq)]
@@ -100,7 +100,12 @@ fn decoded(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
 }
 
 fn png(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
-    let broken = |error: png::DecodingError| format!("the PNG is broken: {error}");
+    let broken = |error| match error {
+        png::DecodingError::LimitsExceeded => {
+            "the PNG's lines are too long: save it with fewer pixels".into()
+        }
+        error => format!("the PNG is broken: {error}; copy it or save it again"),
+    };
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(broken)?;
@@ -114,10 +119,11 @@ fn png(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
 }
 
 fn jpeg(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
+    // The size is checked below, with a sentence that names the remedy.
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
-        .set_max_width(LONGEST)
-        .set_max_height(LONGEST)
+        .set_max_width(usize::from(u16::MAX))
+        .set_max_height(usize::from(u16::MAX))
         .jpeg_set_max_scans(MOST_SCANS);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     let broken = |error| format!("the JPEG is broken or of a rare kind: {error}; save it as PNG");
@@ -126,16 +132,40 @@ fn jpeg(bytes: &[u8], purpose: Purpose) -> Result<Greys, String> {
         .map_err(|error| broken(format!("{error:?}")))?;
     let (width, height) = decoder.dimensions().ok_or("the JPEG has no size")?;
     let size = sized(width, height, purpose)?;
+    // The decoder fills what is missing with grey.
+    if !has_end(bytes) {
+        return Err(INCOMPLETE.into());
+    }
     let samples = decoder
         .decode()
         .map_err(|error| broken(format!("{error:?}")))?;
     greys(size, &samples, 3, purpose)
 }
 
+/// Whether a JPEG has its last mark, outside the segments, which may hold a smaller picture.
+fn has_end(bytes: &[u8]) -> bool {
+    let mut rest = bytes.get(2..).unwrap_or_default();
+    while let Some(at) = rest.iter().position(|&byte| byte == 0xff) {
+        rest = &rest[at + 1..];
+        let length = match *rest {
+            [0xd9, ..] => return true,
+            // A byte of data, a restart, or another byte before a mark.
+            [0x00 | 0x01 | 0xd0..=0xd8 | 0xff, ..] => 0,
+            [_, high, low, ..] => 1 + usize::from(u16::from_be_bytes([high, low])),
+            _ => return false,
+        };
+        rest = rest.get(length..).unwrap_or_default();
+    }
+    false
+}
+
 /// The size, if it is one for the purpose.
 fn sized(width: usize, height: usize, purpose: Purpose) -> Result<[usize; 2], String> {
     let size = format!("the picture has {width} × {height} pixels");
     let shortest = purpose.shortest;
+    if width.min(height) == 0 {
+        return Err(format!("{size}: save it again"));
+    }
     if width.min(height) < shortest {
         return Err(format!(
             "{size}, and {shortest} are needed along each side: take the camera's full size"

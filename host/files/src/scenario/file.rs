@@ -153,6 +153,7 @@ impl Scenario {
             scale: file.scale,
             turn: 0.0,
             anywhere: false,
+            margin: 0.0,
             from_line: None,
             options: JobOptions::default(),
             seed: file.seed,

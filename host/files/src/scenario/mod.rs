@@ -44,6 +44,8 @@ pub struct Scenario {
     /// Whether a job without an origin may be longer than the largest clear page: it then lies along
     /// the edge of the reach.
     pub anywhere: bool,
+    /// How far around what a job without an origin draws the arm must reach, too [m].
+    pub margin: f64,
     /// The first line of the job that is done, or the first stroke of a drawing; none: the first of
     /// all. The place is that of the whole job.
     pub from_line: Option<u32>,
@@ -138,6 +140,7 @@ impl Scenario {
             scale: 1.0,
             turn: 0.0,
             anywhere: false,
+            margin: 0.0,
             from_line: None,
             options: JobOptions::default(),
             reader: JobReader::default(),

@@ -1,5 +1,6 @@
 //! Files that are read: robots, linkages, jobs.
 
+mod broken_pictures;
 mod design_specs;
 mod document;
 mod drive_faults;

@@ -4,10 +4,10 @@ use crate::placed::AS_WRITTEN;
 use fivebar_files::job::{self, Action, Job, JobError, JobOptions, Trace};
 use proptest::prelude::*;
 
-type Points = Vec<[f64; 2]>;
+pub(crate) type Points = Vec<[f64; 2]>;
 
 /// A PNG in greys of `size` pixels; `dark` gives the darkness at a point, 0 to 1, and each pixel is the mean of `fine`² of them.
-fn png([width, height]: [u32; 2], fine: u32, dark: impl Fn([f64; 2]) -> f64) -> Vec<u8> {
+pub(crate) fn png([width, height]: [u32; 2], fine: u32, dark: impl Fn([f64; 2]) -> f64) -> Vec<u8> {
     let mut grey = Vec::new();
     for y in 0..height {
         for x in 0..width {
@@ -30,14 +30,14 @@ fn png([width, height]: [u32; 2], fine: u32, dark: impl Fn([f64; 2]) -> f64) -> 
     bytes
 }
 
-fn read(bytes: &[u8], options: &JobOptions) -> Result<Job, JobError> {
+pub(crate) fn read(bytes: &[u8], options: &JobOptions) -> Result<Job, JobError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("picture");
     std::fs::write(&path, bytes).unwrap();
     Job::parse_with(&job::read(&path).unwrap(), &AS_WRITTEN, options)
 }
 
-fn by(trace: Trace) -> JobOptions {
+pub(crate) fn by(trace: Trace) -> JobOptions {
     JobOptions {
         trace: Some(trace),
         ..JobOptions::default()
@@ -45,7 +45,7 @@ fn by(trace: Trace) -> JobOptions {
 }
 
 /// The strokes of a square picture of `side` pixels.
-fn strokes(job: &Job, side: u32) -> Vec<Points> {
+pub(crate) fn strokes(job: &Job, side: u32) -> Vec<Points> {
     let pixel = 0.1 / f64::from(side);
     let mut strokes: Vec<Points> = Vec::new();
     for step in &job.steps {
@@ -71,7 +71,7 @@ fn drawn(
 }
 
 /// Points along strokes, at most a quarter of a pixel apart.
-fn along(strokes: &[Points]) -> Points {
+pub(crate) fn along(strokes: &[Points]) -> Points {
     let pairs = strokes.iter().flat_map(|stroke| stroke.windows(2));
     let points = pairs.flat_map(|pair| {
         let [[x, y], [u, v]] = [pair[0], pair[1]];
@@ -85,7 +85,7 @@ fn along(strokes: &[Points]) -> Points {
 }
 
 /// The greatest distance of any point of one set from the other set.
-fn hausdorff(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+pub(crate) fn hausdorff(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let far = |from: &[[f64; 2]], to: &[[f64; 2]]| {
         let nearest = |p: &[f64; 2]| {
             let distances = to.iter().map(|q| (p[0] - q[0]).hypot(p[1] - q[1]));
@@ -96,7 +96,7 @@ fn hausdorff(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     far(a, b).max(far(b, a))
 }
 
-fn circle([x, y]: [f64; 2], radius: f64) -> Points {
+pub(crate) fn circle([x, y]: [f64; 2], radius: f64) -> Points {
     let angles = (0..1000).map(|step| f64::from(step) / 1000.0 * std::f64::consts::TAU);
     angles
         .map(|angle| [x + radius * angle.cos(), y + radius * angle.sin()])
@@ -111,7 +111,7 @@ fn length(strokes: &[Points]) -> f64 {
 }
 
 /// The darkness of a disc.
-fn disc([cx, cy]: [f64; 2], radius: f64) -> impl Fn([f64; 2]) -> f64 {
+pub(crate) fn disc([cx, cy]: [f64; 2], radius: f64) -> impl Fn([f64; 2]) -> f64 {
     move |[x, y]| f64::from(u8::from((x - cx).hypot(y - cy) < radius))
 }
 
@@ -360,10 +360,10 @@ fn a_picture_without_a_kind_is_drawn_by_its_outlines_and_what_cannot_be_drawn_is
     let notes: Vec<String> = job.warnings.iter().map(ToString::to_string).collect();
     let expected = "the picture is drawn by its outlines; --picture has outline, centre-line, tone, stipple, one-line";
     assert_eq!(notes, [expected]);
-    let white = read(&png([60, 60], 1, |_| 0.0), &by(Trace::Tone)).unwrap_err();
+    let pale = read(&png([60, 60], 1, |_| 0.01), &by(Trace::Tone)).unwrap_err();
     assert!(
-        white.to_string().contains("choose a smaller --level"),
-        "{white}"
+        pale.to_string().contains("choose a smaller --level"),
+        "{pale}"
     );
     let cut = read(&bytes[..bytes.len() / 2], &by(Trace::Outline)).unwrap_err();
     assert!(cut.to_string().contains("the PNG is broken"), "{cut}");

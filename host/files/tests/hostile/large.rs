@@ -2,7 +2,7 @@
 
 use crate::svg::page;
 use crate::tables::{png, zeros};
-use crate::{Input, Kind, counted, drawings, kind};
+use crate::{Input, Kind, counted, drawings, kind, pictures};
 use std::f64::consts::TAU;
 
 /// The parts of a file, each by its number.
@@ -95,6 +95,7 @@ pub(crate) fn kinds() -> Vec<(Kind, usize)> {
     };
     kinds.push((("large: a PNG".into(), Box::new(picture)), 6_000_000));
     let robot = || Input::Robot(include_str!("../../robots/benchtop.toml").into());
+    kinds.extend(pictures::photographs());
     kinds.push((("large: a robot".into(), Box::new(robot)), 1));
     kinds
 }

@@ -6,12 +6,12 @@ mod committed;
 mod drawings;
 mod gcode;
 mod large;
+mod pictures;
 mod settings;
 mod svg;
-
 mod tables;
 
-use fivebar_files::job::{Job, JobOptions, Placement};
+use fivebar_files::job::{Job, JobOptions, Placement, Trace};
 use fivebar_files::linkage::DrivenLinkage;
 use fivebar_files::measurements::parse_columns;
 use fivebar_files::path_case::PathCase;
@@ -44,6 +44,8 @@ pub(crate) enum Input {
     /// A table: how it begins, and a part of it so often.
     Stream(String, String, usize),
     Picture(Vec<u8>),
+    /// A picture that becomes a job, and how.
+    Traced(Vec<u8>, Trace),
     Robot(String),
     Design(String),
     Linkage(String),
@@ -74,6 +76,7 @@ fn kinds() -> Vec<(Kind, Option<usize>)> {
         svg::kinds(),
         tables::kinds(),
         settings::kinds(),
+        pictures::kinds(),
     ];
     let hostile = all.into_iter().flatten().map(|kind| (kind, None));
     let large = large::kinds().into_iter();
@@ -85,8 +88,15 @@ fn kinds() -> Vec<(Kind, Option<usize>)> {
 /// The sentence of a refusal, or how much was read.
 fn outcome(input: Input) -> String {
     match input {
-        Input::Job(text) => job(&text, None),
-        Input::Hatched(text, distance) => job(&text, Some(distance)),
+        Input::Job(text) => job(&text, JobOptions::default()),
+        Input::Hatched(text, distance) => job(
+            &text,
+            JobOptions {
+                hatch: Some(distance),
+                ..JobOptions::default()
+            },
+        ),
+        Input::Traced(bytes, trace) => traced(&bytes, trace),
         Input::Table(text) => rows(text.as_bytes()),
         Input::Stream(begin, part, count) => rows(stream(begin, part, count)),
         Input::Picture(bytes) => said(parse_picture("picture", &bytes), |picture| {
@@ -113,16 +123,25 @@ fn said<T, E: Display>(result: Result<T, E>, read: impl FnOnce(T) -> String) -> 
     }
 }
 
-fn job(text: &str, hatch: Option<f64>) -> String {
+/// The picture goes through a file, as it does in the program.
+fn traced(bytes: &[u8], trace: Trace) -> String {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    std::fs::write(file.path(), bytes).expect("a file");
+    let options = JobOptions {
+        trace: Some(trace),
+        ..JobOptions::default()
+    };
+    said(fivebar_files::job::read(file.path()), |text| {
+        job(&text, options)
+    })
+}
+
+fn job(text: &str, options: JobOptions) -> String {
     let placement = Placement {
         origin: [0.0, 0.13],
         scale: 1.0,
         turn: 0.0,
         home: [0.04, 0.18],
-    };
-    let options = JobOptions {
-        hatch,
-        ..JobOptions::default()
     };
     said(Job::parse_with(text, &placement, &options), |job| {
         format!("{} steps", job.steps.len())

@@ -43,7 +43,7 @@ pub(crate) fn zeros(count: usize) -> Vec<u8> {
 }
 
 /// A progressive JPEG of this size, in colour and all grey, with so many scans of one component after that of all.
-fn jpeg(size: u16, scans: usize) -> Vec<u8> {
+pub(crate) fn jpeg(size: u16, scans: usize) -> Vec<u8> {
     let [high, low] = size.to_be_bytes();
     let mut bytes = vec![0xff, 0xd8, 0xff, 0xdb, 0, 67, 0];
     bytes.extend([1; 64]);

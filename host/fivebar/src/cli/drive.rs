@@ -4,6 +4,7 @@ use super::enter_key::EnterKey;
 use super::failure::{Failure, refused};
 use super::log::LogArgs;
 use super::port::{PortArgs, interrupted};
+use super::preparing::preparing;
 use super::run_args::JobArgs;
 use super::say::{say, warn, warn_of_drivers};
 use super::sim::{millimetres, path_lengths};
@@ -56,7 +57,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     let scenario = args.job.scenario()?;
-    let job = scenario.job().map_err(refused)?;
+    let job =
+        preparing("reading and placing", &scenario.job_file, || scenario.job()).map_err(refused)?;
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }

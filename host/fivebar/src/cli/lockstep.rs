@@ -2,6 +2,7 @@
 //! process, compared bit by bit with the same run in this process.
 
 use super::failure::{Failure, refused};
+use super::preparing::preparing;
 use super::run_args::RunArgs;
 use super::say::{say, warn_of_drivers};
 use super::sim::{millimetres, outcome, path_lengths, print, progress_bar, refusal};
@@ -108,7 +109,8 @@ impl<L: FnOnce() -> Result<Box<dyn Connection>, Failure>> WithArm for Run<'_, L>
             likely_cause,
         } = other;
         let folders = args.run.output.prepare(command)?;
-        let job = scenario.job().map_err(refused)?;
+        let job = preparing("reading and placing", &scenario.job_file, || scenario.job())
+            .map_err(refused)?;
         scenario
             .check(&job)
             .map_err(|error| refusal(scenario, &error))?;

@@ -36,6 +36,7 @@ mod photo;
 mod pil;
 mod plan;
 mod port;
+mod preparing;
 mod query;
 mod questions;
 mod raw_inputs;

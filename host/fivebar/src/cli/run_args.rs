@@ -4,6 +4,7 @@ use super::failure::{Failure, refused};
 use super::length::{degrees, length, place, positive_length};
 use super::output::OutputArgs;
 use super::plan::share;
+use super::preparing::preparing;
 use super::say::warn;
 use super::value_error::ValueError;
 use fivebar_files::job::{Dialect, JobOptions, Trace};
@@ -38,6 +39,9 @@ pub(super) struct JobArgs {
     /// --rotate only a scale and a place.
     #[arg(long, conflicts_with = "origin")]
     fit: bool,
+    /// With --fit: stay this far inside what the arm reaches, on every side, such as 10mm.
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "fit")]
+    margin: Option<f64>,
     /// Start at this line of the job, or at this stroke of an SVG: the tool goes there without
     /// drawing what comes before.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -206,6 +210,7 @@ impl JobArgs {
         scenario.origin = self.origin.or(scenario.origin);
         scenario.turn = self.rotate.unwrap_or(scenario.turn);
         scenario.options = self.drawing.added_to(self.reading.options());
+        scenario.margin = self.margin.unwrap_or_default();
         scenario.from_line = self.from_line;
         scenario.time_optimal = self.time_optimal.then_some(self.torque_share);
         match self.scale {
@@ -219,7 +224,8 @@ impl JobArgs {
                 scale: self.scale.is_some(),
                 turn: self.rotate.is_some(),
             };
-            scenario.fit_to_reach(kept).map_err(refused)?;
+            let file = scenario.job_file.clone();
+            preparing("fitting", &file, || scenario.fit_to_reach(kept)).map_err(refused)?;
             warn(format_args!(
                 "{} is drawn with --scale {} --rotate {}",
                 scenario.job_file,

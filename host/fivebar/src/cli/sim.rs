@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, refused};
 use super::output::OutputArgs;
+use super::preparing::preparing;
 use super::repeat::{Compared, RepeatArgs, print as print_runs};
 use super::run_args::RunArgs;
 use super::say::{say, warn, warn_of_drivers};
@@ -41,7 +42,8 @@ pub(super) fn simulate(
     repeat: &RepeatArgs,
 ) -> Result<(), Failure> {
     let folders = output.prepare("sim")?;
-    let job = scenario.job().map_err(refused)?;
+    let job =
+        preparing("reading and placing", &scenario.job_file, || scenario.job()).map_err(refused)?;
     for warning in &job.warnings {
         warn(format_args!("{}, {warning}", scenario.job_file));
     }

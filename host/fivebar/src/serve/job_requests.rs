@@ -72,7 +72,15 @@ impl ControllerThread {
         if !is_in(reading.gap, 0.0, 1.0) {
             return Err("The distance between copies must be 0 to 1000 mm.".into());
         }
-        if self.loaded.is_none() {
+        if !is_in(reading.margin, 0.0, 1.0) {
+            return Err("The margin must be 0 to 1000 mm.".into());
+        }
+        // The margin changes nothing until the drawing is fitted.
+        let with_margin = Reading {
+            margin: reading.margin,
+            ..self.jobs.reading
+        };
+        if self.loaded.is_none() || with_margin == reading {
             self.jobs.reading = reading;
             return Ok(());
         }

@@ -401,6 +401,7 @@ impl Workshop {
             level,
             copies,
             gap,
+            margin,
         } = self.reading;
         let default = JobOptions::default();
         let options = JobOptions {
@@ -414,6 +415,7 @@ impl Workshop {
             ..default
         };
         Scenario {
+            margin: margin.unwrap_or_default(),
             options,
             reader: self.reader,
             ..Scenario::new(name, self.robot.clone(), name, text)

@@ -198,6 +198,27 @@ fn fit_finds_the_greatest_scale_with_a_turn_and_keeps_what_is_given() {
 }
 
 #[test]
+fn a_fitted_drawing_keeps_the_margin_that_is_asked_for() {
+    let bench = Bench::new();
+    let job = bench.file("job.gcode", &rectangle(90.0, 60.0));
+    let width = |options: &[&str]| {
+        bench.drawn(&[&[&job[..], "--fit", "--rotate", "0"], options].concat());
+        let [low, high] = bench.extent();
+        high[0] - low[0]
+    };
+    let [whole, inside] = [width(&[]), width(&["--margin", "10mm"])];
+    assert!(
+        inside < whole - 0.005 && inside > 0.5 * whole,
+        "{inside} m of {whole} m"
+    );
+    let refused = bench.refused(&[&job, "--fit", "--margin", "200mm"]);
+    assert!(refused.contains("choose a smaller --margin"), "{refused}");
+    let alone = bench.sim(&[&job, "--margin", "10mm"]);
+    let message = String::from_utf8(alone.stderr).unwrap();
+    assert!(message.contains("--fit"), "{message}");
+}
+
+#[test]
 fn rotate_turns_the_job_about_its_origin() {
     let bench = Bench::new();
     let job = bench.file("job.gcode", &rectangle(30.0, 10.0));

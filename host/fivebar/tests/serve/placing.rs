@@ -75,6 +75,31 @@ fn a_drawing_that_is_too_large_is_fitted_by_one_request_as_the_command_line_fits
 }
 
 #[test]
+fn a_drawing_is_fitted_with_the_margin_of_the_page() {
+    let server = Server::start();
+    let mut page = server.page();
+    page.take_control_and_arm();
+    page.accepted(&json!({ "load": { "name": "sheet", "text": SHEET } }));
+    page.wait("a refusal", |message| {
+        message["job"]["refusal"].as_str().map(str::to_owned)
+    });
+    let mut scales = Vec::new();
+    for margin in [0.0, 0.01] {
+        page.accepted(&json!({ "read": { "margin": margin } }));
+        page.accepted(&json!("fit"));
+        scales.push(page.wait("the fitted sheet", |message| {
+            let job = message.get("job").filter(|job| job["time"].is_number())?;
+            let is_read = job["reading"]["margin"].as_f64() == Some(margin);
+            is_read.then(|| number(&job["scale"]))
+        }));
+    }
+    let share = scales[1] / scales[0];
+    assert!((0.5..0.97).contains(&share), "{scales:?}");
+    page.send(&json!({ "read": { "margin": -1.0 } }));
+    notice(&mut page, "margin must be");
+}
+
+#[test]
 fn a_job_loaded_before_homing_is_drawn_timed_and_checked_from_home_and_again_once_homed() {
     let server = Server::start();
     let mut watcher = server.page();

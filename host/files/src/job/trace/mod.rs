@@ -38,6 +38,10 @@ pub(super) fn interpret(
     drop(bytes);
     let (raster, shrunk) = Raster::of(&picture);
     drop(picture);
+    if raster.is_white() {
+        let reason = "the picture is white everywhere: is it the right file?";
+        return Err(JobError::Drawing(reason.into()));
+    }
     let mut notes = Vec::new();
     let mut note = |what: String| notes.push(Warning::at(0, WarningKind::Drawing(what.into())));
     if options.trace.is_none() {
@@ -62,7 +66,8 @@ pub(super) fn interpret(
     let strokes =
         strokes.map_err(|over| JobError::Drawing(format!("the picture is too fine: {over}")))?;
     if strokes.is_empty() {
-        let reason = "the picture has nothing dark enough to draw: choose a smaller --level";
+        let reason = "the picture has nothing dark enough, larger than 3 pixels and wider than the pen: choose a smaller \
+                      --level or --hatch, or save it with more pixels";
         return Err(JobError::Drawing(reason.into()));
     }
     let height = raster.height() as f64;

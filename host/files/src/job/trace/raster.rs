@@ -56,6 +56,10 @@ impl Raster {
         self.height
     }
 
+    pub(super) fn is_white(&self) -> bool {
+        self.darkness.iter().all(|&dark| dark == 0.0)
+    }
+
     /// The darkness of a pixel; 0 beside the picture.
     pub(super) fn at(&self, x: i64, y: i64) -> f32 {
         let is_inside = x >= 0 && y >= 0 && x < self.width as i64 && y < self.height as i64;

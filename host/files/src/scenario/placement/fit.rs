@@ -11,6 +11,8 @@ const LEAST_SIZE: f64 = 1e-4;
 const TURN_STEP: u32 = 15;
 /// A turn is preferred to an earlier one if the drawing becomes larger by this.
 const WORTH_A_TURN: f64 = 1.01;
+/// A scale that is smaller than this share of the greatest one is none.
+const LEAST_SHARE: f64 = 1e-3;
 /// Shrinking per trial when the planner refuses what the map has room for.
 const SHRINK: f64 = 0.97;
 /// Trials before a drawing is given up.
@@ -31,6 +33,11 @@ pub enum FitError {
     /// The arm has no clear page, or its masses are not known.
     #[error("robot `{0}` has no place where its planner accepts this job at any scale")]
     NoPlace(String),
+    /// The arm has no clear page that is larger than the margin.
+    #[error(
+        "robot `{0}` has no place for this job with {1} mm around it: choose a smaller --margin"
+    )]
+    NoMargin(String, f64),
 }
 
 /// What a fit keeps as it is.
@@ -67,7 +74,10 @@ impl Scenario {
         self.origin = None;
         self.anywhere = true;
         let found = self.greatest_fit(&job, kept);
-        let none = || FitError::NoPlace(self.robot.name.clone());
+        let none = || match self.margin > 0.0 {
+            true => FitError::NoMargin(self.robot.name.clone(), 1e3 * self.margin),
+            false => FitError::NoPlace(self.robot.name.clone()),
+        };
         let Fit { scale, turn } = found.ok_or_else(none)?;
         (self.scale, self.turn) = (scale, turn);
         Ok(())
@@ -79,7 +89,7 @@ impl Scenario {
     }
 
     fn greatest_fit_by(&self, trials: &mut Trials, job: &Job, kept: Kept) -> Option<Fit> {
-        let reach = Reach::of(&self.robot)?;
+        let reach = Reach::of(&self.robot, self.margin)?;
         let outline = Outline::of(job);
         let turns = match kept.turn {
             true => 1,
@@ -178,7 +188,7 @@ fn greatest_on_map(reach: &Reach, outline: &Outline, turn: f64, least: f64) -> O
     }
     let mut high = most.max(low);
     // The map has 160 cells, so it can tell no more.
-    while high - low > 5e-3 * high {
+    while high - low > 5e-3 * high && high > LEAST_SHARE * most {
         let middle = 0.5 * (low + high);
         if has_room(middle) {
             low = middle;
@@ -186,7 +196,7 @@ fn greatest_on_map(reach: &Reach, outline: &Outline, turn: f64, least: f64) -> O
             high = middle;
         }
     }
-    Some(low)
+    Some(low).filter(|&low| low > 0.0)
 }
 
 /// The factor at which an outline that is turned is as long as the page's longer side.

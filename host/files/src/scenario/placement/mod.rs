@@ -9,6 +9,7 @@
 //! reach, so it is searched a place only by `--fit`.
 
 mod fit;
+mod margin;
 mod outline;
 mod refusal;
 mod trials;
@@ -46,32 +47,37 @@ pub enum RefusedMove {
     ModeChange(#[from] RefusedModeChange),
 }
 
-/// The reach of an arm on the branch of its home pose.
+/// The reach of an arm on the branch of its home pose. Clear are cells with a margin around them.
 struct Reach {
     map: WorkspaceMap,
     assembly: Side,
     /// The largest clear rectangle.
     page: Rectangle,
+    /// How far around a drawing must be clear, too [m].
+    margin: f64,
 }
 
 impl Reach {
     /// None if nothing is clear.
-    fn of(robot: &Robot) -> Option<Self> {
+    fn of(robot: &Robot, margin: f64) -> Option<Self> {
         let workspace = robot.workspace(robot.working_mode()).ok()?;
         let grid = Grid::with_cells(&workspace.tool, CELLS).ok()?;
         let assembly = robot.home_pose().ok()?.assembly();
         let map = WorkspaceMap::new(workspace, grid);
         let page = map.largest_rectangle(assembly)?;
+        let map = map.with_margin(assembly, margin);
         Some(Self {
             map,
             assembly,
             page,
+            margin,
         })
     }
 
-    /// Width and height of the page [m].
+    /// Width and height of the page within the margin [m].
     fn page_size(&self) -> [f64; 2] {
-        self.page.size().into()
+        let size: [f64; 2] = self.page.size().into();
+        size.map(|side| (side - 2.0 * self.margin).max(0.0))
     }
 
     fn page_middle(&self) -> [f64; 2] {
@@ -135,7 +141,7 @@ impl Scenario {
         {
             return Ok(drawn);
         }
-        let (Some(unplaced), Some(reach)) = (unplaced, Reach::of(&self.robot)) else {
+        let (Some(unplaced), Some(reach)) = (unplaced, Reach::of(&self.robot, self.margin)) else {
             return Ok(job);
         };
         let mut trials = Trials::new(planner);
@@ -232,7 +238,7 @@ impl Scenario {
     }
 
     fn accepts(&self, planner: &mut Planner, job: &Job) -> bool {
-        self.verify(planner, job).is_ok()
+        self.has_margin(job) && self.verify(planner, job).is_ok()
     }
 
     /// Checks the moves of the job from home on.

@@ -86,6 +86,11 @@ impl Outline {
         }
     }
 
+    /// The points [m].
+    pub(super) fn points(&self) -> &[[f64; 2]] {
+        &self.points
+    }
+
     pub(super) fn extent(&self) -> Extent {
         let none = Extent {
             low: [0.0; 2],

@@ -21,7 +21,7 @@ impl Scenario {
                 | MoveErrorKind::LegSingularity(_)
                 | MoveErrorKind::ParallelSingularity
         );
-        let reach = Reach::of(&self.robot).filter(|_| is_place);
+        let reach = Reach::of(&self.robot, self.margin).filter(|_| is_place);
         let Some(reach) = reach else {
             return self.named(error.tag, &error.to_string());
         };

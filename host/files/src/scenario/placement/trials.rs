@@ -61,7 +61,7 @@ impl Trials {
         let Some(job) = scenario.moved(job, scenario, origin) else {
             return false;
         };
-        self.accept_whole(scenario, &job)
+        scenario.has_margin(&job) && self.accept_whole(scenario, &job)
     }
 
     fn accept_whole(&mut self, scenario: &Scenario, job: &Job) -> bool {

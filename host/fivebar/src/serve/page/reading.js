@@ -1,7 +1,7 @@
 // The fields of how files are read where they leave it open. An empty field leaves it to the file.
 
 const at = (name) => document.getElementById(`read-${name}`);
-const LENGTHS = ["hatch", "speed", "pen_height", "gap"];
+const LENGTHS = ["hatch", "speed", "pen_height", "gap", "margin"];
 const FIELDS = [...LENGTHS, "trace", "level", "columns", "rows"];
 // What a picture becomes, from left to right. No list of the browser: it would take the Esc of an emergency stop.
 const TRACES = [[null, "outline"], ["centre-line", "centre line"], ["tone", "lines by tone"], ["stipple", "dots"],

@@ -121,6 +121,8 @@ pub(in crate::serve) struct Reading {
     pub(in crate::serve) copies: Option<[u32; 2]>,
     /// The distance between copies [m]; none: 5 mm.
     pub(in crate::serve) gap: Option<f64>,
+    /// How far inside what the arm reaches a drawing is fitted [m]; none: 0.
+    pub(in crate::serve) margin: Option<f64>,
 }
 
 /// A driven joint.
