@@ -14,7 +14,7 @@ from ._shapes import Floats, SideLike
 Smooth = Tuple[Callable[[Floats], Floats], ...]
 
 
-def library(name: str) -> Any:
+def optional(name: str) -> Any:
     """A library that the package does without."""
     try:
         return import_module(name)

@@ -22,7 +22,7 @@ from ._arm import Arm
 from ._errors import FivebarError
 from ._shapes import SideLike
 
-jax = _smooth.library("jax")
+jax = _smooth.optional("jax")
 jnp = jax.numpy
 #: Of one call from JAX [bytes]. JAX copies more than 100 KiB in its pool of threads; where all of them wait in calls, as the
 #: only one on one core, that never ends.

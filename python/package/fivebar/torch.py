@@ -23,7 +23,7 @@ from ._arm import Arm
 from ._errors import FivebarError
 from ._shapes import SideLike
 
-torch = _smooth.library("torch")
+torch = _smooth.optional("torch")
 
 __all__ = ["forward", "inverse", "inverse_dynamics"]
 

@@ -46,15 +46,21 @@ fn a_drawing_is_moved_scaled_and_turned_about_a_point_and_checked_there() {
 /// The outline of a sheet of A4, upright.
 const SHEET: &str = "G21 G90 F3000\nM3\nG1 X210\nG1 Y297\nG1 X0\nG1 Y0\nM5\n";
 
-#[test]
-fn a_drawing_that_is_too_large_is_fitted_by_one_request_as_the_command_line_fits_it() {
-    let server = Server::start();
+/// A page whose job, the sheet, is refused: it is too large.
+fn too_large(server: &Server) -> Page {
     let mut page = server.page();
     page.take_control_and_arm();
     page.accepted(&json!({ "load": { "name": "sheet", "text": SHEET } }));
     page.wait("a refusal", |message| {
         message["job"]["refusal"].as_str().map(str::to_owned)
     });
+    page
+}
+
+#[test]
+fn a_drawing_that_is_too_large_is_fitted_by_one_request_as_the_command_line_fits_it() {
+    let server = Server::start();
+    let mut page = too_large(&server);
     page.accepted(&json!("fit"));
     let drawn = page.wait("the fitted sheet", box_of);
     let robot = Robot::load("benchtop").expect("a robot");
@@ -77,12 +83,7 @@ fn a_drawing_that_is_too_large_is_fitted_by_one_request_as_the_command_line_fits
 #[test]
 fn a_drawing_is_fitted_with_the_margin_of_the_page() {
     let server = Server::start();
-    let mut page = server.page();
-    page.take_control_and_arm();
-    page.accepted(&json!({ "load": { "name": "sheet", "text": SHEET } }));
-    page.wait("a refusal", |message| {
-        message["job"]["refusal"].as_str().map(str::to_owned)
-    });
+    let mut page = too_large(&server);
     let mut scales = Vec::new();
     for margin in [0.0, 0.01] {
         page.accepted(&json!({ "read": { "margin": margin } }));
