@@ -68,6 +68,15 @@ pub(super) struct RemoteController<'a> {
     pub(super) likely_cause: &'a str,
 }
 
+impl LockstepArgs {
+    /// The greatest number of moves that are executed.
+    fn greatest_moves(&self) -> usize {
+        let demonstration = !self.run.names_a_job();
+        let by_default = demonstration.then_some(MOVES_OF_THE_DEMONSTRATION);
+        self.moves.or(by_default).unwrap_or(usize::MAX)
+    }
+}
+
 /// Runs the job on the controller at the other end of `line`, with the robot's kind of drives.
 pub(super) fn run(
     args: &LockstepArgs,
@@ -114,11 +123,7 @@ impl<L: FnOnce() -> Result<Box<dyn Connection>, Failure>> WithArm for Run<'_, L>
         scenario
             .check(&job)
             .map_err(|error| refusal(scenario, &error))?;
-        let count = args.moves.or_else(|| {
-            let demonstration = !args.run.names_a_job();
-            demonstration.then_some(MOVES_OF_THE_DEMONSTRATION)
-        });
-        let count = count.unwrap_or(usize::MAX);
+        let count = args.greatest_moves();
         let moves = scenario.first_moves(&job, count);
         let moves = moves.map_err(|error| refusal(scenario, &error))?;
 
