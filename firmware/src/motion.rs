@@ -6,7 +6,7 @@ mod stream;
 
 pub use crossing::CrossingMove;
 pub use impedance::{FIXTURES, Fixture, FixtureShape, Impedance};
-pub use stream::{StreamConfig, StreamMode, StreamPoint};
+pub use stream::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 
 use fivebar_kinematics::trajectory::{Curve, TimeLaw};
 use nalgebra::Vector2;

@@ -6,7 +6,7 @@ use crate::simulation::Scenario;
 use crate::touch;
 use fivebar_files::scenario::place_in_job;
 use fivebar_firmware::Status;
-use fivebar_firmware::motion::{FIXTURES, Impedance, StreamMode};
+use fivebar_firmware::motion::{FIXTURES, StreamMode, StreamPolicy};
 use fivebar_firmware::safety::Fault;
 use fivebar_report::text::next_step;
 use fivebar_sim::controller::{ControllerSource, sentence};
@@ -182,13 +182,15 @@ impl Connection {
         self.call(py, (None, None), |arm| arm.replay(&path, speed))
     }
 
-    /// Begins a stream of set-points of the joints or of the tip: so many points per second, each there after a delay [s].
+    /// Begins a stream of set-points of the joints or of the tip: so many points per second, each there after a delay [s]. It may
+    /// go on at limits.
     fn begin_stream(
         &self,
         py: Python<'_>,
         joints: bool,
         rate: f64,
         delay: Option<f64>,
+        goes_on: bool,
     ) -> PyResult<()> {
         self.here(py)?;
         let mode = match joints {
@@ -199,6 +201,10 @@ impl Connection {
             mode,
             rate,
             delay,
+            policy: match goes_on {
+                true => StreamPolicy::Limit,
+                false => StreamPolicy::Stop,
+            },
             fixtures: [None; FIXTURES],
         };
         self.begin(py, options)
@@ -217,14 +223,11 @@ impl Connection {
         self.here(py)?;
         let fixtures =
             touch::fixtures(&fixtures).map_err(|refusal| error::controller(py, refusal))?;
-        let single = |values: [f64; 3]| values.map(|value| value as f32).into();
         let options = StreamOptions {
-            mode: StreamMode::Impedance(Impedance {
-                stiffness: single(stiffness),
-                damping: single(damping),
-            }),
+            mode: StreamMode::Impedance(touch::impedance(stiffness, damping)),
             rate,
             delay: None,
+            policy: StreamPolicy::Stop,
             fixtures,
         };
         self.begin(py, options)
@@ -238,20 +241,45 @@ impl Connection {
         velocity: Option<[f64; 2]>,
         force: [f64; 2],
     ) -> PyResult<()> {
-        self.here(py)?;
         let point = SetPoint {
             position,
             velocity,
             force,
         };
-        let goes_on = py.detach(|| {
-            let stream = self.stream.lock().unwrap_or_else(PoisonError::into_inner);
-            stream.as_ref().is_some_and(|stream| stream.send(point))
+        self.give(py, |stream| stream.send(point))
+    }
+
+    /// Changes the springs and dampers of a stream with an impedance.
+    fn change_impedance(
+        &self,
+        py: Python<'_>,
+        stiffness: [f64; 3],
+        damping: [f64; 3],
+    ) -> PyResult<()> {
+        self.give(py, |stream| {
+            stream.change(touch::impedance(stiffness, damping))
+        })
+    }
+
+    /// What the controller has told last of the latest stream, as JSON; times in seconds.
+    fn stream_state(&self) -> Option<String> {
+        let progress = self.arm.progress();
+        let tick_rate = self.arm.tick_rate();
+        let state = progress.stream?;
+        let told = &state.progress;
+        let described = json!({
+            "phase": format!("{:?}", told.phase),
+            "reason": told.reason.map(|reason| reason.to_string()),
+            "late": told.late,
+            "lost": told.lost,
+            "refused": told.refused,
+            "limited": told.limited,
+            "buffered": f64::from(state.buffered) / tick_rate,
+            "theta": state.angle,
+            "omega": state.velocity,
+            "torque": state.torque,
         });
-        match goes_on {
-            true => Ok(()),
-            false => self.end_stream(py),
-        }
+        Some(described.to_string())
     }
 
     /// Ends the stream, and waits until the arm rests behind its last point. Does nothing if it has ended.
@@ -292,6 +320,19 @@ impl Connection {
 }
 
 impl Connection {
+    /// Gives the stream something, if it goes on; else says why it has ended.
+    fn give(&self, py: Python<'_>, send: impl Fn(&LiveStream) -> bool + Sync) -> PyResult<()> {
+        self.here(py)?;
+        let goes_on = py.detach(|| {
+            let stream = self.stream.lock().unwrap_or_else(PoisonError::into_inner);
+            stream.as_ref().is_some_and(&send)
+        });
+        match goes_on {
+            true => Ok(()),
+            false => self.end_stream(py),
+        }
+    }
+
     fn begin(&self, py: Python<'_>, options: StreamOptions) -> PyResult<()> {
         let begun = py.detach(|| self.arm.stream(options));
         let begun = begun.map_err(|refusal| refused(py, refusal))?;

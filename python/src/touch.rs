@@ -1,9 +1,18 @@
 //! Walls and guides from the numbers of Python.
 
-use fivebar_firmware::motion::{FIXTURES, Fixture, FixtureShape};
+use fivebar_firmware::motion::{FIXTURES, Fixture, FixtureShape, Impedance};
 
 /// A wall or a guide: its kind, its numbers, stiffness [N/m] and damping [N·s/m].
 pub(crate) type Told = (String, [f64; 6], f64, f64);
+
+/// Springs [N/m] and dampers [N·s/m] as xx, xy, yy.
+pub(crate) fn impedance(stiffness: [f64; 3], damping: [f64; 3]) -> Impedance {
+    let single = |values: [f64; 3]| values.map(|value| value as f32).into();
+    Impedance {
+        stiffness: single(stiffness),
+        damping: single(damping),
+    }
+}
 
 /// Walls and guides.
 ///

@@ -41,7 +41,7 @@ def test_every_kind_follows_a_circle_of_the_tip_and_of_the_joints(robot):
 def test_a_point_beyond_a_limit_ends_the_stream_with_the_reason_and_the_arm_rests():
     with armed() as live:
         x, y = live.state.tool
-        with pytest.raises(fivebar.ControllerError, match="stops before a point"):
+        with pytest.raises(fivebar.ControllerError, match="a limit keeps the arm from a point"):
             with live.stream() as stream:
                 for k in range(2000):
                     stream.tip(x + 1e-7 * k * k, y)
@@ -50,6 +50,24 @@ def test_a_point_beyond_a_limit_ends_the_stream_with_the_reason_and_the_arm_rest
             with live.stream() as stream:
                 for _ in range(100):
                     stream.tip(0.0, 0.3)
+
+
+def test_a_stream_that_limits_do_not_end_stays_within_them_and_comes_back():
+    with armed() as live:
+        x, y = live.state.tool
+        with pytest.raises(fivebar.FivebarError, match='policy must be "stop" or "limit"'):
+            live.stream(policy="go on")
+        with live.stream(rate=200, policy="limit") as stream:
+            assert stream.state is None
+            for first, second in circle(x, y, 0.3, points=600):
+                stream.tip(first, second)
+            for _ in range(200):
+                stream.tip(x, y)
+        state = stream.state
+        assert state.limited > 100 and state.late == 0 and state.phase == "Ended"
+        assert state.points == 801 and 0.0 <= state.interval <= state.longest_interval
+        assert live.state.tool == pytest.approx((x, y), abs=1e-3)
+        assert state.theta == pytest.approx(live.state.theta, abs=1e-2)
 
 
 def test_what_is_no_point_is_refused_and_the_stream_ends_at_rest():

@@ -47,6 +47,24 @@ def test_a_spring_pulls_the_tip_as_far_as_its_end_moves(live, step):
     assert back == pytest.approx(start, abs=FRICTION)
 
 
+def test_a_spring_changes_while_it_is_felt(live):
+    start = np.array(live.state.tool)
+    end = start + (0.008, 0.0)
+    with live.impedance(60.0, 0.02) as spring:
+        spring.tip(*end)
+        spring.change((0.0, 0.0, 60.0), 0.02)
+        for _ in range(40):
+            spring.tip(*start)
+        spring.change(60.0, (0.02, 0.0, 0.02))
+        for _ in range(400):
+            spring.tip(*end)
+        assert np.array(live.state.tool) == pytest.approx(end, abs=FRICTION)
+        with pytest.raises(fivebar.ControllerError, match="springs together must have at most"):
+            spring.change(1e6)
+            spring.tip(*end)
+    rest(live, start, 60.0)
+
+
 @pytest.mark.parametrize("rate", [60.0, 200.0, 500.0])
 def test_each_point_is_a_period_after_the_one_before(live, rate):
     with live.impedance(60.0, 0.02, rate=rate) as spring:

@@ -102,6 +102,8 @@ pub(super) struct Rendered {
     /// v0 [m/s] and f [N].
     velocity: Vector2<f32>,
     force: Vector2<f32>,
+    /// How far the spring is stretched in this tick [m].
+    away: Vector2<f32>,
     /// How far the springs have risen since points come.
     rise: f32,
     /// What the pose allows of them.
@@ -186,6 +188,7 @@ impl Renderer {
         } = &mut rendered.what;
         *target += rendered.velocity * self.period;
         let away = *target - tool.place;
+        rendered.away = away;
         let mut spring = stiffness.apply(away);
         let mut energy = 0.5 * away.dot(&spring);
         let mut damper = -damping.apply(tool.velocity);
@@ -255,6 +258,7 @@ impl Rendered {
             fixtures: [None; FIXTURES],
             velocity: Vector2::zeros(),
             force: Vector2::zeros(),
+            away: Vector2::zeros(),
             rise: 0.0,
             allowed: 1.0,
             left: 1.0,
@@ -306,6 +310,26 @@ impl<D: Drives> ArmController<D> {
         if let Some(slot) = self.touch.rendered.fixtures.get_mut(place) {
             *slot = fixture.copied();
         }
+    }
+
+    /// What this arm renders.
+    pub(crate) fn rendering(&self) -> &Rendering {
+        &self.touch.rendered.what
+    }
+
+    /// Renders this from now on, with the spring's end where it is. What a stiffer spring has more is charged to the tank, which
+    /// damps the arm until it has got that back: else a hand could lead the tool out softly, and be pushed back.
+    pub(crate) fn change_rendering(&mut self, next: &Rendering) {
+        let rendered = &mut self.touch.rendered;
+        let more = next.stiffness.combined(1.0, &rendered.what.stiffness, -1.0);
+        let energy = 0.5 * rendered.away.dot(&more.apply(rendered.away));
+        if energy > 0.0 {
+            rendered
+                .tank
+                .charge(rendered.rise * rendered.allowed * energy);
+        }
+        let target = rendered.what.target;
+        rendered.what = Rendering { target, ..*next };
     }
 
     /// Takes the energy tank out: a test shows that walls give energy then.

@@ -32,6 +32,17 @@ impl StreamMode {
     }
 }
 
+/// What becomes of a stream of the joints or the tip with a point that a limit keeps the arm from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StreamPolicy {
+    /// The arm stops before it, and the stream ends.
+    #[default]
+    Stop,
+    /// The arm goes towards it as fast as its limits let it, and the stream goes on.
+    Limit,
+}
+
 /// How a stream of set-points begins, where the arm is held.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -44,6 +55,8 @@ pub struct StreamConfig {
     pub period: u16,
     /// Ticks from the time at which the host makes a point to the tick in which it is due.
     pub delay: u16,
+    /// What becomes of it with a point beyond a limit.
+    pub policy: StreamPolicy,
 }
 
 /// A set-point. Between two of them each coordinate is the cubic by their positions and velocities.

@@ -7,7 +7,7 @@ use fivebar_firmware::controller::{
 };
 use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
 use fivebar_firmware::motion::{
-    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
 };
 use fivebar_firmware::planner::{MoveError, MoveErrorKind};
 use fivebar_firmware::planner::{StreamError, StreamPhase, StreamProgress, StreamReason};
@@ -99,6 +99,7 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         stream_config().prop_map(HostCommand::BeginStream),
         stream_point().prop_map(HostCommand::Point),
         Just(HostCommand::EndStream),
+        impedance().prop_map(HostCommand::SetImpedance),
         (any::<u8>(), prop::option::of(fixture()))
             .prop_map(|(place, fixture)| HostCommand::SetFixture { place, fixture }),
     ];
@@ -115,11 +116,18 @@ fn stream_config() -> impl Strategy<Value = StreamConfig> {
         Just(StreamMode::Free),
         impedance().prop_map(StreamMode::Impedance),
     ];
-    (mode, any::<(u32, u16, u16)>()).prop_map(|(mode, (id, period, delay))| StreamConfig {
-        id,
-        mode,
-        period,
-        delay,
+    (mode, any::<(u32, u16, u16, bool)>()).prop_map(|(mode, (id, period, delay, stops))| {
+        StreamConfig {
+            id,
+            mode,
+            period,
+            delay,
+            policy: if stops {
+                StreamPolicy::Stop
+            } else {
+                StreamPolicy::Limit
+            },
+        }
     })
 }
 
@@ -191,20 +199,20 @@ fn stream_state() -> impl Strategy<Value = StreamState> {
     let progress = (
         phase,
         prop::option::of(reason),
-        any::<(u32, Option<u16>, [u16; 3])>(),
+        any::<(u32, Option<u16>, [u16; 4])>(),
     );
-    let progress =
-        progress.prop_map(
-            |(phase, reason, (id, last, [late, lost, refused]))| StreamProgress {
-                id,
-                phase,
-                reason,
-                last,
-                late,
-                lost,
-                refused,
-            },
-        );
+    let progress = progress.prop_map(
+        |(phase, reason, (id, last, [late, lost, refused, limited]))| StreamProgress {
+            id,
+            phase,
+            reason,
+            last,
+            late,
+            lost,
+            refused,
+            limited,
+        },
+    );
     (progress, any::<(u32, i16, [[f32; 2]; 3])>()).prop_map(
         |(progress, (tick, buffered, [angle, velocity, torque]))| StreamState {
             tick,

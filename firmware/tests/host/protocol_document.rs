@@ -137,6 +137,7 @@ fn every_example_is_what_the_library_writes_and_reads() {
             late: 1,
             lost: 0,
             refused: 0,
+            limited: 0,
         },
         buffered: 250,
         angle: [2.0, 1.0],

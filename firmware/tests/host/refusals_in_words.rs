@@ -31,6 +31,7 @@ fn every_end_of_a_stream_reads_as_a_sentence() {
         StreamError::NoTorque,
         StreamError::Belts,
         StreamError::LateTorque,
+        StreamError::NoImpedance,
         StreamError::Matrix,
         StreamError::Fixture(2),
         StreamError::Stiffness(250.0),

@@ -4,7 +4,7 @@ use crate::host::{ID, MS, Motion, Streaming, sine};
 use crate::rig::{Rig, START, settings, with};
 use fivebar_firmware::MoveKind;
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::planner::{StreamError, StreamPhase, StreamReason};
 use fivebar_firmware::safety::{Fault, State};
@@ -303,6 +303,7 @@ fn a_stream_begins_only_where_the_arm_rests_with_a_delay_that_fits() {
         mode: StreamMode::Tip,
         period,
         delay,
+        policy: StreamPolicy::Stop,
     };
     let mut rig = Rig::new(&settings());
     let begin = |rig: &mut Rig, config| rig.planner.begin_stream(&mut rig.controller, &config);

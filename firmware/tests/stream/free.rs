@@ -2,7 +2,7 @@
 
 use crate::rig::{Rig, settings, with};
 use fivebar_firmware::controller::Request;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::planner::{StreamError, StreamPhase, StreamReason};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_firmware::settings::{BeltSettings, Settings};
@@ -23,6 +23,7 @@ fn config() -> StreamConfig {
         mode: StreamMode::Free,
         period: 100,
         delay: 200,
+        policy: StreamPolicy::Stop,
     }
 }
 

@@ -1,7 +1,7 @@
 //! A host that streams set-points to a bench arm.
 
 use crate::rig::{Rig, settings};
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::planner::{StreamPhase, StreamProgress};
 use fivebar_firmware::settings::Settings;
 use std::collections::VecDeque;
@@ -42,12 +42,32 @@ impl Streaming {
         Self::over(Rig::armed(&settings()), mode, period, delay_ms)
     }
 
-    fn over(mut rig: Rig, mode: StreamMode, period: u32, delay_ms: u32) -> Self {
+    /// As [`Self::with`], where limits do not end the stream.
+    pub(crate) fn limited(settings: &Settings, mode: StreamMode, delay_ms: u32) -> Self {
+        Self::begun(
+            Rig::armed(settings),
+            mode,
+            (1, delay_ms),
+            StreamPolicy::Limit,
+        )
+    }
+
+    fn over(rig: Rig, mode: StreamMode, period: u32, delay_ms: u32) -> Self {
+        Self::begun(rig, mode, (period, delay_ms), StreamPolicy::Stop)
+    }
+
+    fn begun(
+        mut rig: Rig,
+        mode: StreamMode,
+        (period, delay_ms): (u32, u32),
+        policy: StreamPolicy,
+    ) -> Self {
         let config = StreamConfig {
             id: ID,
             mode,
             period: (period * MS) as u16,
             delay: (delay_ms * MS) as u16,
+            policy,
         };
         let begun = rig.planner.begin_stream(&mut rig.controller, &config);
         assert_eq!(begun, Ok(()));

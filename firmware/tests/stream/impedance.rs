@@ -4,7 +4,7 @@ use crate::rig::{Rig, settings, with};
 use fivebar_firmware::controller::{RenderingBounds, Request};
 use fivebar_firmware::drives::BrushedDrives;
 use fivebar_firmware::motion::{
-    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
 };
 use fivebar_firmware::planner::{StreamError, StreamPhase, StreamReason};
 use fivebar_firmware::safety::{Fault, State};
@@ -42,6 +42,7 @@ fn config(impedance: Impedance) -> StreamConfig {
         mode: StreamMode::Impedance(impedance),
         period: 100,
         delay: 200,
+        policy: StreamPolicy::Stop,
     }
 }
 

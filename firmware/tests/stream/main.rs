@@ -9,4 +9,6 @@ mod cases;
 mod following;
 mod free;
 mod impedance;
+mod limits;
+mod stiffening;
 mod walls;

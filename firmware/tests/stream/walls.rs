@@ -2,7 +2,7 @@
 
 use crate::rig::{Rig, settings};
 use fivebar_firmware::motion::{
-    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
 };
 use fivebar_firmware::planner::StreamError;
 use fivebar_firmware::safety::State;
@@ -163,6 +163,7 @@ fn energy_out(seed: u64, with_tank: bool) -> (usize, f64) {
             }),
             period: 100,
             delay: 200,
+            policy: StreamPolicy::Stop,
         };
         rig.planner.begin_stream(&mut rig.controller, &config)
     };

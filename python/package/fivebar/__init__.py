@@ -46,7 +46,7 @@ from ._results import (
 from ._robots import built_in
 from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
-from ._stream import Stream
+from ._stream import Stream, StreamState
 from ._synthesis import Design, design, dexterities
 from ._teaching import TaughtPath
 from ._touch import Fixture, Impedance
@@ -88,6 +88,7 @@ __all__ = [
     "Status",
     "StoppedError",
     "Stream",
+    "StreamState",
     "StudyError",
     "TaughtPath",
     "Trace",

@@ -164,7 +164,9 @@ class LiveArm:
             on_pause,
         )
 
-    def stream(self, rate: float = 500.0, *, delay: Optional[float] = None) -> Stream:
+    def stream(
+        self, rate: float = 500.0, *, delay: Optional[float] = None, policy: str = "stop"
+    ) -> Stream:
         """A stream of set-points from where the arm rests; the motors are on. See ``docs/use/streaming.md``.
 
         >>> from math import cos, sin, tau
@@ -184,11 +186,16 @@ class LiveArm:
         rate: points per second [1/s].
         delay: from a point to the arm's being there [s]: 2 to 200 ms, one to 26 periods. By default 40 ms, three periods if
             that is more, and 26 periods if that is less.
+        policy: what becomes of a point that a limit keeps the arm from. "stop": the arm stops before it, and the stream ends.
+            "limit": the arm goes towards it as fast as its limits allow, and the stream goes on.
         """
+        if policy not in ("stop", "limit"):
+            raise FivebarError(f'policy must be "stop" or "limit", not {policy!r}')
         return Stream(
             self._connection,
             _positive("rate", rate),
             None if delay is None else _positive("delay", delay),
+            goes_on=policy == "limit",
         )
 
     def free(self, seconds: float) -> TaughtPath:

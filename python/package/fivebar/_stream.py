@@ -2,12 +2,39 @@
 
 from __future__ import annotations
 
+import json
+from time import monotonic
 from types import TracebackType
-from typing import List, Optional, Tuple, Type
+from typing import List, NamedTuple, Optional, Tuple, Type
 
 from . import _native
 from ._errors import FivebarError
 from ._shapes import pair
+
+
+class StreamState(NamedTuple):
+    """What a stream has done so far, as the controller has told it last; :attr:`Stream.state` gives it."""
+
+    #: "Waits", "Follows", "Starved", "Ends" or "Ended".
+    phase: str
+    #: The latest reason for which a point was not followed, or the stream ended.
+    reason: Optional[str]
+    #: Points that came too late, that never came, that were refused, and that a limit kept the arm from.
+    late: int
+    lost: int
+    refused: int
+    limited: int
+    #: The time until the last point is due [s]; less than 0 if it was due.
+    buffered: float
+    #: Measured [rad], estimated [rad/s] and demanded [N m], of joint 1 and joint 4.
+    theta: Tuple[float, float]
+    omega: Tuple[float, float]
+    torque: Tuple[float, float]
+    #: The points that the program has given, the mean time from one to the next, and the longest [s]: what is more than the
+    #: delay lets the arm starve.
+    points: int
+    interval: float
+    longest_interval: float
 
 
 class Stream:
@@ -22,8 +49,20 @@ class Stream:
     :class:`fivebar.ControllerError` with the reason, and the arm rests.
     """
 
-    def __init__(self, connection: _native.Connection, rate: float, delay: Optional[float]) -> None:
+    def __init__(
+        self,
+        connection: _native.Connection,
+        rate: float,
+        delay: Optional[float],
+        *,
+        goes_on: bool = False,
+    ) -> None:
         self._connection = connection
+        self._goes_on = goes_on
+        self._points = 0
+        #: When the first point was given and the last one, and the longest time between two [s].
+        self._first = self._last = 0.0
+        self._longest = 0.0
         self._rate = rate
         self._delay = delay
         #: Whether the points are of the joints; None before the first one.
@@ -45,6 +84,23 @@ class Stream:
         """The joints are at these angles [rad] with these velocities [rad/s]; by default those of the points beside."""
         self._give(True, (theta1, theta4), (omega1, omega4))
 
+    @property
+    def state(self) -> Optional[StreamState]:
+        """What the stream has done so far, also after its end; None before the controller has told."""
+        told = self._connection.stream_state()
+        if told is None or self._points == 0:
+            return None
+        described = json.loads(told)
+        for key in ("theta", "omega", "torque"):
+            described[key] = tuple(described[key])
+        intervals = self._points - 1
+        return StreamState(
+            **described,
+            points=self._points,
+            interval=(self._last - self._first) / intervals if intervals else 0.0,
+            longest_interval=self._longest,
+        )
+
     def _give(
         self,
         joints: bool,
@@ -56,7 +112,7 @@ class Stream:
             raise FivebarError("a velocity has two components: give both or none")
         rates = None if first is None or second is None else (first, second)
         if self._joints is None:
-            self._connection.begin_stream(joints, self._rate, self._delay)
+            self._connection.begin_stream(joints, self._rate, self._delay, self._goes_on)
             self._joints = joints
         elif self._joints is not joints:
             raise FivebarError("a stream has points of the tip or of the joints, not both")
@@ -65,6 +121,16 @@ class Stream:
             None if rates is None else _floats("velocity", rates),
             [0.0, 0.0],
         )
+        self._count(monotonic())
+
+    def _count(self, now: float) -> None:
+        """A point was given now [s]."""
+        if self._points == 0:
+            self._first = now
+        else:
+            self._longest = max(self._longest, now - self._last)
+        self._points += 1
+        self._last = now
 
     def __enter__(self) -> Stream:
         return self

@@ -91,6 +91,14 @@ class Impedance:
             _two("position", (x, y)), _two("velocity", (vx, vy)), _two("force", force)
         )
 
+    def change(
+        self, stiffness: Union[float, Sequence[float]], damping: Union[float, Sequence[float]] = 0.0
+    ) -> None:
+        """Changes the spring [N/m] and the damper [N s/m] in 0.1 s. What is not passive is refused: the stream ends then."""
+        self._connection.change_impedance(
+            _matrix("stiffness", stiffness), _matrix("damping", damping)
+        )
+
     def __enter__(self) -> Impedance:
         return self
 

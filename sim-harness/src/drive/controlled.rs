@@ -1,6 +1,7 @@
 //! A controller whose time passes.
 
 use crate::link::{Client, LinkError};
+use fivebar_firmware::protocol::StreamState;
 use std::io::{Read, Write};
 
 /// A controller that can be driven.
@@ -16,6 +17,9 @@ pub trait Controlled {
     /// # Errors
     /// The connection failed.
     fn pass_time(&mut self) -> Result<(), LinkError>;
+
+    /// What the controller has told of a stream.
+    fn note_stream(&mut self, _: &StreamState) {}
 }
 
 /// A controller with a clock of its own: its client waits for messages meanwhile.

@@ -4,7 +4,7 @@ use super::{Controlled, Drive, DriveError, LONGEST_STOP};
 use crate::safe_exit;
 use crate::streaming::{SetPoint, StreamOptions, Streamer};
 use fivebar_firmware::Status;
-use fivebar_firmware::motion::{StreamConfig, StreamMode};
+use fivebar_firmware::motion::{Impedance, StreamConfig, StreamMode, StreamPolicy};
 use fivebar_firmware::planner::{StreamError, StreamPhase, StreamReason};
 use fivebar_firmware::protocol::{CommandError, HostCommand, StreamState};
 
@@ -13,6 +13,8 @@ use fivebar_firmware::protocol::{CommandError, HostCommand, StreamState};
 pub enum Given {
     /// A point.
     Point(SetPoint),
+    /// Other springs and dampers of a stream with an impedance.
+    Spring(Impedance),
     /// Nothing yet: time passes.
     Nothing,
     /// The stream ends.
@@ -48,7 +50,7 @@ impl<C: Controlled> Drive<'_, C> {
                 self.bring_to_rest()?;
                 return felt;
             }
-            return self.end_stream();
+            return self.end_stream(options.policy);
         }
         let tick = self.fault_free_status()?.tick;
         let mut streamer = Streamer::new(config, tick_rate, tick);
@@ -57,7 +59,7 @@ impl<C: Controlled> Drive<'_, C> {
             self.bring_to_rest()?;
             return streamed;
         }
-        self.end_stream()
+        self.end_stream(options.policy)
     }
 
     /// Begins a stream as soon as the arm is held.
@@ -84,12 +86,13 @@ impl<C: Controlled> Drive<'_, C> {
     }
 
     /// Ends the stream, and waits until the arm is held.
-    pub(super) fn end_stream(&mut self) -> Result<(), DriveError> {
+    pub(super) fn end_stream(&mut self, policy: StreamPolicy) -> Result<(), DriveError> {
         self.command("end the stream", HostCommand::EndStream)?;
         for _ in 0..LONGEST_STOP {
             let status = self.fault_free_status()?;
             let state = self.latest_state();
-            if let Some(StreamReason::Limit(_)) = state.and_then(|state| state.progress.reason) {
+            let reason = state.and_then(|state| state.progress.reason);
+            if let (StreamPolicy::Stop, Some(StreamReason::Limit(_))) = (policy, reason) {
                 return Err(ended(state));
             }
             // The last points may not have begun.
@@ -150,6 +153,10 @@ impl<C: Controlled> Drive<'_, C> {
             }
             let point = match next {
                 Given::Point(point) => streamer.push(point, tick),
+                Given::Spring(impedance) => {
+                    self.set_impedance(impedance)?;
+                    continue;
+                }
                 Given::Nothing => {
                     self.controller.pass_time()?;
                     continue;
@@ -168,7 +175,16 @@ impl<C: Controlled> Drive<'_, C> {
     /// The state of the stream that the controller told last, if it told one since the last call.
     pub(super) fn latest_state(&mut self) -> Option<StreamState> {
         let client = self.controller.client();
-        std::iter::from_fn(|| client.take_stream_state()).last()
+        let latest = std::iter::from_fn(|| client.take_stream_state()).last();
+        if let Some(state) = &latest {
+            self.controller.note_stream(state);
+        }
+        latest
+    }
+
+    /// Changes the springs and dampers of the stream with an impedance in progress.
+    pub(super) fn set_impedance(&mut self, impedance: Impedance) -> Result<(), DriveError> {
+        self.command("change the springs", HostCommand::SetImpedance(impedance))
     }
 
     /// The status of the arm when it rests.
@@ -218,7 +234,7 @@ mod tests {
     use crate::drive::Homing;
     use crate::streaming::{SetPoint, StreamOptions};
     use fivebar_files::robot::Robot;
-    use fivebar_firmware::motion::StreamMode;
+    use fivebar_firmware::motion::{StreamMode, StreamPolicy};
 
     /// A program stalls for longer than the delay, and for less than the command timeout.
     #[test]
@@ -238,6 +254,7 @@ mod tests {
             mode: StreamMode::Tip,
             rate: 500.0,
             delay: None,
+            policy: StreamPolicy::Stop,
             fixtures: [None; 3],
         };
         let (mut points, mut stall) = (0_u32, 9_u32);

@@ -3,7 +3,7 @@
 use super::stream::{Given, ended};
 use super::{Controlled, Drive, DriveError};
 use crate::streaming::SetPoint;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::planner::StreamPhase;
 use fivebar_firmware::protocol::StreamState;
 
@@ -27,6 +27,7 @@ impl<C: Controlled> Drive<'_, C> {
             mode: StreamMode::Free,
             period,
             delay: 2 * period,
+            policy: StreamPolicy::Stop,
         };
         self.begin_when_free(config)?;
         let led = self.record(config.id, each);
@@ -34,7 +35,7 @@ impl<C: Controlled> Drive<'_, C> {
             self.bring_to_rest()?;
             return led;
         }
-        self.end_stream()
+        self.end_stream(StreamPolicy::Stop)
     }
 
     fn record(
@@ -107,6 +108,7 @@ impl<C: Controlled> Drive<'_, C> {
                         due = tick;
                     }
                 }
+                Given::Spring(impedance) => self.set_impedance(impedance)?,
                 Given::Nothing => self.controller.pass_time()?,
                 Given::End => return Ok(()),
             }

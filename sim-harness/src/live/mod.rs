@@ -11,13 +11,14 @@ mod tests;
 
 use crate::clock::Clock;
 use crate::controller::{ControllerSource, OpenError, open};
-use crate::drive::{DriveError, Homing, job_moves, planner_at};
+use crate::drive::{DriveError, Given, Homing, job_moves, planner_at};
 use crate::link::LinkError;
 use crate::streaming::{SetPoint, StreamOptions};
 use crate::teaching::{Record, ReplayError, TaughtPath, TeachError};
 use fivebar_files::job::{Job, Pause};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
+use fivebar_firmware::motion::Impedance;
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::CheckedSettings;
 use fivebar_firmware::{FULL_TOOL, Move, MoveKind, Status};
@@ -116,7 +117,7 @@ impl Pending {
 
 /// A stream in progress.
 pub struct LiveStream {
-    points: SyncSender<SetPoint>,
+    points: SyncSender<Given>,
     pending: Pending,
 }
 
@@ -124,7 +125,12 @@ impl LiveStream {
     /// Gives the next point. Waits while the points before it last longer than the stream's delay. Returns whether the
     /// stream goes on: [`Self::finish`] says why not.
     pub fn send(&self, point: SetPoint) -> bool {
-        self.points.send(point).is_ok()
+        self.points.send(Given::Point(point)).is_ok()
+    }
+
+    /// Changes the springs and dampers of a stream with an impedance, in 0.1 s. Waits and returns as [`Self::send`].
+    pub fn change(&self, impedance: Impedance) -> bool {
+        self.points.send(Given::Spring(impedance)).is_ok()
     }
 
     /// Ends the stream, and waits until the arm rests behind the last point.
@@ -231,6 +237,11 @@ impl LiveArm {
     /// As [`Self::move_to`].
     pub fn move_joints(&self, to: [f32; 2], speed: f32) -> Result<Pending, LiveError> {
         self.do_move(MoveKind::Joint { to, speed })
+    }
+
+    /// Of the controller [Hz].
+    pub fn tick_rate(&self) -> f64 {
+        self.settings.control.tick_rate.into()
     }
 
     /// Begins a stream of set-points where the arm is. The motors are on.

@@ -2,6 +2,7 @@
 
 use super::LiveError;
 use fivebar_firmware::Status;
+use fivebar_firmware::protocol::StreamState;
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -16,6 +17,8 @@ pub struct Progress {
     pub moves: usize,
     /// What the job waits for, at a pause.
     pub pause: Option<String>,
+    /// What the controller has told last of the latest stream.
+    pub stream: Option<StreamState>,
 }
 
 /// What the thread and the callers share.
@@ -57,6 +60,7 @@ impl Shared {
             taken: 0,
             moves: 0,
             pause: None,
+            stream: None,
         };
         Self {
             state: Mutex::new(State {
@@ -94,6 +98,11 @@ impl Shared {
     /// The controller has this status.
     pub(super) fn note(&self, status: &Status) {
         self.state().progress.status = *status;
+    }
+
+    /// The controller has told this of a stream.
+    pub(super) fn note_stream(&self, state: &StreamState) {
+        self.state().progress.stream = Some(*state);
     }
 
     /// The controller has taken so many of so many moves.

@@ -4,7 +4,7 @@ use crate::drive::{DriveError, Homing};
 use crate::streaming::{SetPoint, StreamOptions};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
-use fivebar_firmware::motion::{Impedance, StreamMode};
+use fivebar_firmware::motion::{Impedance, StreamMode, StreamPolicy};
 use fivebar_firmware::safety::{Fault, State};
 
 /// One robot of each kind of drives.
@@ -172,6 +172,7 @@ fn streamed(arm: &LiveArm, mode: StreamMode, points: u32) -> Result<(), LiveErro
         mode,
         rate: 200.0,
         delay: None,
+        policy: StreamPolicy::Stop,
         fixtures: [None; 3],
     })?;
     for point in 0..points {
@@ -205,6 +206,39 @@ fn every_kind_follows_a_stream_and_rests_behind_it() {
     }
 }
 
+/// A host that draws a circle, half of which is out of reach.
+#[test]
+fn every_kind_stays_within_its_limits_and_comes_back_where_limits_do_not_end_the_stream() {
+    for name in KINDS {
+        let arm = homed(name);
+        arm.motors_on().unwrap().finish().unwrap();
+        let [x, y] = place(&arm).map(f64::from);
+        let stream = arm
+            .stream(StreamOptions {
+                mode: StreamMode::Tip,
+                rate: 200.0,
+                delay: None,
+                policy: StreamPolicy::Limit,
+                fixtures: [None; 3],
+            })
+            .unwrap();
+        for point in 0..800 {
+            let u = (f64::from(point) / 400.0).min(1.0);
+            let (sine, cosine) = (std::f64::consts::TAU * u * u * (3.0 - 2.0 * u)).sin_cos();
+            let position = [x + 0.1 * sine, y + 0.3 * (1.0 - cosine)];
+            assert!(stream.send(SetPoint::at(position)), "{name}");
+        }
+        stream
+            .finish()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(state(&arm), State::Armed, "{name}");
+        let told = arm.progress().stream.expect("a state").progress;
+        assert!((100..700).contains(&told.limited), "{name}: {told:?}");
+        let off = distance(place(&arm), [x, y].map(|value| value as f32));
+        assert!(off < 2e-3, "{name}: {off} m");
+    }
+}
+
 #[test]
 fn an_arm_with_brushed_motors_is_a_spring_and_other_kinds_refuse_with_the_reason() {
     for name in KINDS {
@@ -219,6 +253,7 @@ fn an_arm_with_brushed_motors_is_a_spring_and_other_kinds_refuse_with_the_reason
             mode: StreamMode::Impedance(impedance),
             rate: 200.0,
             delay: None,
+            policy: StreamPolicy::Stop,
             fixtures: [None; 3],
         };
         let stream = arm.stream(options).unwrap();
@@ -234,6 +269,20 @@ fn an_arm_with_brushed_motors_is_a_spring_and_other_kinds_refuse_with_the_reason
             assert_eq!(state(&arm), State::Armed);
             let moved = f64::from(place(&arm)[1]) - y;
             assert!((moved - 5e-3).abs() < 5e-4, "{moved} m");
+            // A spring without stiffness leaves the arm where it is, and is told so.
+            let stream = arm.stream(options).unwrap();
+            let none = Impedance {
+                stiffness: (0.0, 0.0, 0.0),
+                ..impedance
+            };
+            assert!(stream.send(SetPoint::at([x, y + 5e-3])) && stream.change(none));
+            for point in 0..200 {
+                let away = if point < 40 { 5e-3 } else { 0.0 };
+                assert!(stream.send(SetPoint::at([x, y + away])));
+            }
+            stream.finish().unwrap();
+            let moved = f64::from(place(&arm)[1]) - y;
+            assert!(moved > 4e-3, "{moved} m");
         } else {
             let refused = ended.unwrap_err().to_string();
             assert!(refused.contains("arms with brushed motors"), "{refused}");
@@ -253,6 +302,7 @@ fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
             mode,
             rate,
             delay,
+            policy: StreamPolicy::Stop,
             fixtures: [None; 3],
         })
         .unwrap()
@@ -266,7 +316,10 @@ fn a_stream_ends_by_its_limit_a_stop_and_an_emergency_stop() {
         way += 1e-3 * (way / 0.01 + 0.02).min(1.0);
     }
     let ended = begun.finish().unwrap_err().to_string();
-    assert!(ended.contains("the arm stops before a point"), "{ended}");
+    assert!(
+        ended.contains("a limit keeps the arm from a point"),
+        "{ended}"
+    );
     assert_eq!(state(&arm), State::Armed);
 
     let begun = stream(StreamMode::Tip);

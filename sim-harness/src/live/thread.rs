@@ -5,9 +5,10 @@ use super::shared::{Busy, Shared};
 use crate::controller::{Connection, Session};
 use crate::drive::{Controlled, Drive, DriveError, Given, Homing};
 use crate::link::{Client, LinkError};
-use crate::streaming::{SetPoint, StreamOptions};
+use crate::streaming::StreamOptions;
 use crate::teaching::Record;
 use fivebar_files::job::Pause;
+use fivebar_firmware::protocol::StreamState;
 use fivebar_firmware::{Move, Request, Status};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -43,7 +44,7 @@ pub(super) enum Task {
     /// Set-points as the program gives them.
     Stream {
         options: StreamOptions,
-        given: Receiver<SetPoint>,
+        given: Receiver<Given>,
     },
 }
 
@@ -119,6 +120,10 @@ impl Controlled for Watched {
         self.session.read_status()?;
         self.shared.note(&self.session.status);
         Ok(())
+    }
+
+    fn note_stream(&mut self, state: &StreamState) {
+        self.shared.note_stream(state);
     }
 }
 
@@ -218,16 +223,16 @@ impl Watched {
 }
 
 /// What the program gives now. The time of an arm that keeps no real time stands still until it gives something.
-fn next(given: &Receiver<SetPoint>, pace: Pace, shared: &Shared) -> Given {
+fn next(given: &Receiver<Given>, pace: Pace, shared: &Shared) -> Given {
     match pace {
         Pace::RealTime => match given.recv_timeout(NEXT) {
-            Ok(point) => Given::Point(point),
+            Ok(given) => given,
             Err(RecvTimeoutError::Timeout) => Given::Nothing,
             Err(RecvTimeoutError::Disconnected) => Given::End,
         },
         Pace::AsFastAsPossible => loop {
             match given.recv_timeout(LOOK) {
-                Ok(point) => return Given::Point(point),
+                Ok(given) => return given,
                 Err(RecvTimeoutError::Disconnected) => return Given::End,
                 Err(RecvTimeoutError::Timeout) if shared.is_interrupted() => return Given::Nothing,
                 Err(RecvTimeoutError::Timeout) => {}

@@ -8,7 +8,9 @@ mod approach;
 mod pacer;
 
 use approach::Approach;
-use fivebar_firmware::motion::{FIXTURES, Fixture, StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{
+    FIXTURES, Fixture, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
+};
 use pacer::Pacer;
 
 /// The number of points for which the controller has room in a delay.
@@ -27,6 +29,8 @@ pub struct StreamOptions {
     pub rate: f64,
     /// The time from a point to the arm's being there [s]; none: 40 ms or three periods, if there is room for that.
     pub delay: Option<f64>,
+    /// What becomes of it with a point beyond a limit.
+    pub policy: StreamPolicy,
     /// Walls and guides of a stream with an impedance.
     pub fixtures: [Option<Fixture>; FIXTURES],
 }
@@ -71,6 +75,7 @@ impl StreamOptions {
             mode: self.mode,
             period: period as u16,
             delay: delay.round().clamp(0.0, f64::from(u16::MAX)) as u16,
+            policy: self.policy,
         }
     }
 }

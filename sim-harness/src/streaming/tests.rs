@@ -1,7 +1,7 @@
 //! When points are due, and where they are.
 
 use super::{SetPoint, StreamOptions, Streamer};
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{StreamMode, StreamPolicy};
 
 const TICK_RATE: f64 = 10_000.0;
 
@@ -10,6 +10,7 @@ fn streamer(rate: f64, begun: u32) -> Streamer {
         mode: StreamMode::Tip,
         rate,
         delay: None,
+        policy: StreamPolicy::Stop,
         fixtures: [None; 3],
     };
     Streamer::new(options.config(1, TICK_RATE), TICK_RATE, begun)
@@ -31,6 +32,7 @@ fn the_usual_delay_fits_the_controller() {
             mode: StreamMode::Tip,
             rate,
             delay: None,
+            policy: StreamPolicy::Stop,
             fixtures: [None; 3],
         };
         let config = options.config(1, TICK_RATE);
@@ -40,6 +42,7 @@ fn the_usual_delay_fits_the_controller() {
         mode: StreamMode::Tip,
         rate: 1000.0,
         delay: Some(0.01),
+        policy: StreamPolicy::Stop,
         fixtures: [None; 3],
     };
     assert_eq!(options.config(1, TICK_RATE).delay, 100);

@@ -166,6 +166,7 @@ fn state(tick: u32, angle: [f32; 2]) -> StreamState {
             late: 0,
             lost: 0,
             refused: 0,
+            limited: 0,
         },
         buffered: 0,
         angle,

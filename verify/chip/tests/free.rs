@@ -6,7 +6,7 @@ use bench::{Bench, Driven, arm_at, robot};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::Request;
-use fivebar_firmware::motion::{StreamConfig, StreamMode};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPolicy};
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
 use fivebar_sim::drive::Drive;
@@ -104,6 +104,7 @@ fn without_points_the_arm_is_held_and_an_emergency_stop_switches_off() {
             mode: StreamMode::Free,
             period: 100,
             delay: 200,
+            policy: StreamPolicy::Stop,
         };
         let begun = driven.client.command(HostCommand::BeginStream(config));
         begun.expect("an answer").expect("a stream");

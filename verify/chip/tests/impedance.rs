@@ -5,9 +5,7 @@ mod bench;
 use bench::{Bench, Driven, arm_at, robot};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
-use fivebar_firmware::motion::{
-    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
-};
+use fivebar_firmware::motion::{Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
 use nalgebra::Vector2;
@@ -40,6 +38,7 @@ fn config(stiffness: (f32, f32, f32), damping: (f32, f32, f32)) -> StreamConfig 
         mode: StreamMode::Impedance(Impedance { stiffness, damping }),
         period: 100,
         delay: 200,
+        policy: StreamPolicy::Stop,
     }
 }
 

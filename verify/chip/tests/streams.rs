@@ -5,7 +5,7 @@ mod bench;
 use bench::{Bench, arm_at, robot};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
-use fivebar_firmware::motion::{StreamMode, StreamPoint};
+use fivebar_firmware::motion::{StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::planner::{StreamPhase, StreamReason};
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
@@ -67,6 +67,7 @@ fn options(mode: StreamMode) -> StreamOptions {
         mode,
         rate: 500.0,
         delay: Some(0.03),
+        policy: StreamPolicy::Stop,
         fixtures: [None; 3],
     }
 }

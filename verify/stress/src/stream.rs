@@ -3,7 +3,7 @@
 use crate::bytes::Bytes;
 use crate::timed::Tool;
 use fivebar_firmware::motion::{
-    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint,
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
 };
 
 /// Ticks of a period.
@@ -71,6 +71,7 @@ impl StreamRun {
                 mode,
                 period: if how < 250 { PERIOD } else { 0 },
                 delay: PERIOD * (1 + u16::from(how % 30)),
+                policy: [StreamPolicy::Stop, StreamPolicy::Limit][usize::from(how % 2)],
             },
             amplitude: bytes.pair(-0.03, 0.03),
             rate: [2.0, 10.0, 25.0, 60.0][usize::from(bytes.byte() % 4)],

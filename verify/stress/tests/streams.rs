@@ -1,7 +1,7 @@
 //! Streams that are cut in any tick end at rest within every limit: random arms near their limits and singularities.
 
 use fivebar_firmware::controller::Controller;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::planner::{StreamPhase, StreamReason};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{AxisSettings, CheckedSettings, MotionSettings};
@@ -33,6 +33,7 @@ struct Case {
     settings: CheckedSettings,
     start: [f64; 2],
     mode: StreamMode,
+    policy: StreamPolicy,
     /// Of the joints [rad/s²], or as far as the tool goes.
     push: [f64; 2],
     /// How long it pushes before it turns round [s].
@@ -86,6 +87,7 @@ fn case(seed: u64) -> Option<Case> {
         period,
         delay: chance.within(4.0, 20.0) as u32,
         cut: chance.within(50.0, 4_000.0) as u32,
+        policy: [StreamPolicy::Stop, StreamPolicy::Limit][chance.within(0.0, 1.99) as usize],
     })
 }
 
@@ -137,6 +139,7 @@ impl Case {
             mode: self.mode,
             period: self.period as u16,
             delay: (self.delay * self.period) as u16,
+            policy: self.policy,
         };
         planner.begin_stream(&mut controller, &config).ok()?;
         let begun = controller.ticks();
@@ -179,7 +182,8 @@ impl Case {
                 Err(broken) => panic!("seed {seed}, tick {ticks}: {broken}"),
             }
             moved |= ticks == self.cut && status.state == State::Running;
-            if ticks > self.cut && status.state == State::Armed {
+            let follows = planner.stream()?.phase == StreamPhase::Follows;
+            if ticks > self.cut && status.state == State::Armed && !follows {
                 break;
             }
         }

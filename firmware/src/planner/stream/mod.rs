@@ -6,22 +6,25 @@
 //! every limit, and the tick follows pieces as of any path. Before a point is taken the stop lies behind
 //! the last piece; a splice puts the new piece in its place, and the new stop behind it.
 
+mod limited;
 mod piece;
 mod progress;
 mod rendering;
+mod start;
 mod touch;
 
 use super::{Planner, PlanningSnapshot};
 use crate::controller::{ArmController, Change, QueuedSegment, Splice};
 use crate::drives::Drives;
-use crate::motion::{StreamConfig, StreamMode, StreamPoint};
+use crate::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use crate::safety::Limits;
-use fivebar_kinematics::Scalar;
-use fivebar_kinematics::trajectory::{Reference, ToolMotion, TrajectorySegment};
-use nalgebra::Vector2;
+use fivebar_kinematics::trajectory::{ToolMotion, TrajectorySegment};
+use limited::Way;
 use piece::Piece;
 pub use progress::{StreamError, StreamPhase, StreamProgress, StreamReason};
+use rendering::RenderingChange;
 use rtic_core::Mutex;
+use start::Start;
 
 /// The delay [s], at least and at most.
 const DELAY: [f32; 2] = [2e-3, 0.2];
@@ -33,10 +36,6 @@ const EARLIEST: f32 = 0.25;
 const LONGEST_PIECE: f32 = 0.06;
 /// The longest time for which the last velocity is nearly kept [s], and so many periods at most.
 const COAST: (f32, u32) = (0.02, 2);
-/// The time in which a piece is made [s]: it begins no sooner.
-const LEAD: f32 = 1e-3;
-/// How far from the arm the first point may be [rad], [m].
-const NEAR: (f32, f32) = (1e-3, 5e-4);
 /// Refused points in a row that end a stream.
 const REFUSED_IN_A_ROW: u8 = 3;
 
@@ -50,6 +49,12 @@ pub(super) struct Stream {
     path_generation: u32,
     /// Where it is at the end of its last piece; none while the arm rests.
     end: Option<StreamEnd>,
+    /// How far it goes towards points that a limit keeps it from.
+    share: f32,
+    /// The tick of the last such point that it could not go towards.
+    kept_in: Option<u32>,
+    /// How its springs change.
+    change: Option<RenderingChange>,
 }
 
 /// The end of a stream's last piece.
@@ -65,15 +70,6 @@ struct StreamEnd {
     angles: [f32; 2],
     /// What follows if no other piece does.
     stop: TrajectorySegment<f32>,
-}
-
-/// Where and when the next piece begins.
-struct Start {
-    from: StreamEnd,
-    /// The number with the last committed segment.
-    last: u32,
-    /// The time after which that ends [s]; none: the piece takes its place.
-    ends_after: Option<f32>,
 }
 
 impl Stream {
@@ -101,26 +97,35 @@ impl Stream {
         }
     }
 
+    /// Notes that the arm follows the n-th point.
+    fn take(&mut self, n: u16) {
+        let progress = &mut self.progress;
+        let missing = progress.last.map_or(0, |last| n.wrapping_sub(last) - 1);
+        progress.lost = progress.lost.saturating_add(missing);
+        progress.last = Some(n);
+        progress.phase = StreamPhase::Follows;
+        self.refused_in_a_row = 0;
+    }
+
     /// Notes how a point was taken or why not.
     fn note(&mut self, n: u16, taken: Result<(), StreamReason>) {
         let progress = &mut self.progress;
         let more = |count: u16| count.saturating_add(1);
         match taken {
-            Ok(()) => {
-                let missing = progress.last.map_or(0, |last| n.wrapping_sub(last) - 1);
-                progress.lost = progress.lost.saturating_add(missing);
-                progress.last = Some(n);
-                progress.phase = StreamPhase::Follows;
-                self.refused_in_a_row = 0;
-                return;
-            }
+            Ok(()) => return self.take(n),
             Err(StreamReason::Late) => progress.late = more(progress.late),
+            Err(StreamReason::Limit(_)) if self.config.policy == StreamPolicy::Limit => {
+                progress.limited = more(progress.limited);
+            }
             Err(_) => progress.refused = more(progress.refused),
         }
         progress.reason = taken.err();
         match taken {
             // A host that has to come back to the arm sends more than three of them.
             Ok(()) | Err(StreamReason::Late | StreamReason::Away(_)) => {}
+            Err(StreamReason::Limit(_)) if self.config.policy == StreamPolicy::Limit => {
+                self.take(n);
+            }
             Err(reason @ StreamReason::Limit(_)) => self.end(reason),
             Err(reason) => {
                 self.refused_in_a_row = self.refused_in_a_row.saturating_add(1);
@@ -173,10 +178,14 @@ impl Planner {
                 late: 0,
                 lost: 0,
                 refused: 0,
+                limited: 0,
             },
             refused_in_a_row: 0,
             path_generation: snapshot.path_generation,
             end: None,
+            share: 1.0,
+            kept_in: None,
+            change: None,
         });
         Ok(())
     }
@@ -256,14 +265,15 @@ impl Planner {
             controller.latch_silence();
             controller.ticks()
         });
-        if let Some(end) = stream.end {
-            let behind = tick.wrapping_sub(end.tick) as i32;
-            if behind > coast as i32 && stream.progress.phase == StreamPhase::Follows {
-                stream.progress.phase = StreamPhase::Starved;
-            }
-            if behind > 0 && snapshot.hold.is_some() {
-                stream.end = None;
-            }
+        let since = |then: u32| tick.wrapping_sub(then) as i32;
+        let is_over = stream.end.is_none_or(|end| since(end.tick) > coast as i32);
+        let is_kept = |then: u32| since(then) <= coast as i32;
+        let is_dry = is_over && !stream.kept_in.is_some_and(is_kept);
+        if is_dry && stream.progress.phase == StreamPhase::Follows {
+            stream.progress.phase = StreamPhase::Starved;
+        }
+        if stream.end.is_some_and(|end| since(end.tick) > 0) && snapshot.hold.is_some() {
+            stream.end = None;
         }
         if stream.end.is_none() && stream.progress.phase == StreamPhase::Ends {
             stream.progress.phase = StreamPhase::Ended;
@@ -299,7 +309,7 @@ impl Planner {
         let start = match &stream.end {
             // The new piece takes one more slot than its stop, which is in the queue, too.
             Some(_) if snapshot.path_free == 0 => return Err(StreamReason::Full),
-            Some(end) => self.go_on(end, now, point.due)?,
+            Some(end) => self.go_on(stream, end, now, point.due)?,
             None => return self.start_from_rest(controller, snapshot, stream, (n, point), now),
         };
         let ticks = point.due.wrapping_sub(start.from.tick);
@@ -307,113 +317,14 @@ impl Planner {
         if ticks > most.max(stream.config.period.into()) {
             return Err(StreamReason::Gap);
         }
-        let piece = self.piece(&start.from, stream.config.mode, point, ticks, n)?;
-        self.splice(controller, stream, &start, &piece)
-    }
-
-    /// Where the next piece begins: at the end of the last one, or where its last velocity is kept.
-    fn go_on(&self, end: &StreamEnd, now: u32, due: u32) -> Result<Start, StreamReason> {
-        let lead = self.ticks_of(LEAD).max(2);
-        if end.tick.wrapping_sub(now) as i32 >= lead as i32 {
-            if due.wrapping_sub(end.tick) as i32 <= 0 {
-                return Err(StreamReason::Order);
-            }
-            return Ok(Start {
-                from: *end,
-                last: end.segments.wrapping_add(1),
-                ends_after: None,
-            });
-        }
-        let tick = now.wrapping_add(lead);
-        let coasted = tick.wrapping_sub(end.tick);
-        if coasted >= self.coast() || due.wrapping_sub(tick) as i32 <= 0 {
-            return Err(StreamReason::Late);
-        }
-        let time = coasted as f32 * (1.0 / self.tick_rate);
-        let Reference::Tool {
-            position, velocity, ..
-        } = end.stop.evaluate(time)
-        else {
-            return Err(StreamReason::Late);
+        let way = Way {
+            from: start.from,
+            after: start.ends_after.unwrap_or(0.0),
+            ticks,
         };
-        let tool = ToolMotion { position, velocity };
-        let (angles, _) = self.joint_motion(&tool, end.angles)?;
-        Ok(Start {
-            from: StreamEnd {
-                tick,
-                tool,
-                angles,
-                ..*end
-            },
-            last: end.segments.wrapping_add(1),
-            ends_after: Some(time),
-        })
-    }
-
-    /// Begins with a point near the held arm: it rests, then goes to the point.
-    fn start_from_rest(
-        &self,
-        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
-        snapshot: &PlanningSnapshot,
-        stream: &mut Stream,
-        (n, point): (u16, &StreamPoint),
-        now: u32,
-    ) -> Result<(), StreamReason> {
-        let hold = snapshot.hold.ok_or(StreamReason::Late)?;
-        let tool = &self.envelope.workspace.tool;
-        let (angles, place) = (hold.joints(), hold.tool(tool, self.assembly));
-        let position = place.ok_or(StreamReason::Stopped)?;
-        let (near, distance) = match stream.config.mode {
-            StreamMode::Joint => {
-                let [d1, d4] = [
-                    Scalar::abs(point.position.0 - angles[0]),
-                    Scalar::abs(point.position.1 - angles[1]),
-                ];
-                (NEAR.0, d1.max(d4))
-            }
-            StreamMode::Tip | StreamMode::Free | StreamMode::Impedance(_) => (
-                NEAR.1,
-                (Vector2::new(point.position.0, point.position.1) - position).norm(),
-            ),
-        };
-        let is_near = distance <= near;
-        if !is_near {
-            return Err(StreamReason::Away(distance));
-        }
-        let ahead = point.due.wrapping_sub(now);
-        let ticks = (ahead / 2).min(self.ticks_of(LONGEST_PIECE));
-        let rests = ahead.wrapping_sub(1).wrapping_sub(ticks);
-        if ticks == 0 || rests <= self.ticks_of(LEAD).max(2) {
-            return Err(StreamReason::Late);
-        }
-        let from = StreamEnd {
-            tick: point.due.wrapping_sub(ticks),
-            segments: 0,
-            tool: ToolMotion {
-                position,
-                velocity: Vector2::zeros(),
-            },
-            angles,
-            stop: TrajectorySegment::NONE,
-        };
-        let piece = self.piece(&from, stream.config.mode, point, ticks, n)?;
-        let duration = rests as f32 * (1.0 / self.tick_rate);
-        let rest = queued(
-            &TrajectorySegment::rest(position, duration, n.into()),
-            false,
-        );
-        let begun = controller
-            .lock(|controller| controller.begin_stream_path(stream.path_generation, &rest));
-        let [begins, segments] = begun.ok_or(StreamReason::Late)?;
-        let start = Start {
-            from: StreamEnd {
-                tick: begins.wrapping_add(rests),
-                ..from
-            },
-            last: segments,
-            ends_after: Some(duration),
-        };
-        self.splice(controller, stream, &start, &piece)
+        let (piece, kept_from) = self.piece_towards(stream, &way, (n, point), now)?;
+        self.splice(controller, stream, &start, &piece)?;
+        kept_from.map_or(Ok(()), Err)
     }
 
     /// Hands the controller a piece with its stop, in accesses of which none is longer than a segment's copy.

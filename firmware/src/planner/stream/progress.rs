@@ -32,6 +32,8 @@ pub enum StreamError {
     /// The dampers alone would give energy: made smaller by one factor, they are passive at this pose with less than so many N·s/m
     /// together.
     Damping(f32),
+    /// No stream with an impedance is in progress.
+    NoImpedance,
 }
 
 /// What a stream does.
@@ -73,7 +75,8 @@ pub enum StreamReason {
     Gap,
     /// The first point, or the first one after a rest, is so far from the arm [rad or m].
     Away(f32),
-    /// The motion to the point, or the stop behind it, would pass a limit: the arm stops before.
+    /// The motion to the point, or the stop behind it, would pass a limit: the arm stops before, or it goes towards the point
+    /// as far as it may.
     Limit(MoveErrorKind),
     /// No points came, so an arm that gave way is held.
     Silent,
@@ -98,6 +101,8 @@ pub struct StreamProgress {
     pub lost: u16,
     /// Points that were refused.
     pub refused: u16,
+    /// Points that a limit kept the arm from, where the stream goes on.
+    pub limited: u16,
 }
 
 impl fmt::Display for StreamError {
@@ -129,6 +134,9 @@ impl fmt::Display for StreamError {
                 f,
                 "the dampers together must have less than {most} N·s/m at this pose, or they give energy: make them smaller",
             ),
+            Self::NoImpedance => f.write_str(
+                "no stream with an impedance is in progress: begin one first",
+            ),
             Self::Belts => f.write_str(
                 "the motors are behind belts, and the hand turns the joints: no hand leads this arm",
             ),
@@ -155,7 +163,7 @@ impl fmt::Display for StreamReason {
                     "the first point is {distance} rad or m from the arm: move there first"
                 );
             }
-            Self::Limit(kind) => return write!(f, "the arm stops before a point: {kind}"),
+            Self::Limit(kind) => return write!(f, "a limit keeps the arm from a point: {kind}"),
             Self::Silent => "no points came, so the arm is held",
             Self::Force => "a point has a force, which only a stream with an impedance takes",
         })

@@ -1,7 +1,7 @@
-//! The impedance that a stream asks for, checked: what the arm renders, or why it does not.
+//! The impedance that a stream asks for, checked: what the arm renders, or why it does not; and how it changes meanwhile.
 
-use super::{Planner, StreamError};
-use crate::controller::{ArmController, Hold, Rendering, RenderingBounds};
+use super::{Planner, Stream, StreamError};
+use crate::controller::{ArmController, Rendering, RenderingBounds};
 use crate::drives::Drives;
 use crate::motion::{FIXTURES, Fixture, FixtureShape, Impedance};
 use fivebar_kinematics::PlanarVector;
@@ -9,11 +9,13 @@ use fivebar_kinematics::control::{FixtureAxis, Symmetric, VirtualFixture};
 use nalgebra::Vector2;
 use rtic_core::Mutex;
 
+/// The time in which springs change [s].
+const CHANGE: f32 = 0.1;
 /// How far an eigenvalue may be below 0 by rounding, as a share of the greatest one.
 const ROUNDING: f32 = 1e-5;
 
 impl Planner {
-    /// What an arm that is held renders of an impedance.
+    /// What an arm with its tool [m] and its joints [rad] there renders of an impedance.
     ///
     /// # Errors
     /// What of it is not passive, or means nothing.
@@ -22,15 +24,13 @@ impl Planner {
     pub(super) fn rendering(
         &self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
-        hold: Option<Hold>,
+        (target, [theta1, theta4]): (Vector2<f32>, [f32; 2]),
         impedance: &Impedance,
     ) -> Result<Rendering, StreamError> {
         let bounds = controller
             .lock(|controller| controller.rendering_loop())
             .bounds();
         let tool = &self.envelope.workspace.tool;
-        let held = hold.and_then(|hold| Some((hold.tool(tool, self.assembly)?, hold.joints())));
-        let (target, [theta1, theta4]) = held.ok_or(StreamError::Moving)?;
         let links =
             tool.geometry()
                 .links(Vector2::unit(theta1), Vector2::unit(theta4), self.assembly);
@@ -45,11 +45,6 @@ impl Planner {
             dampers = dampers.combined(1.0, &Symmetric::isotropic(fixture.damping), 1.0);
         }
         let demand = passive(&bounds, &springs, &dampers, jacobian)?;
-        // One in each access, which lasts no longer than a segment's copy.
-        for (place, fixture) in self.fixtures.iter().enumerate() {
-            let fixture = fixture.as_ref().and_then(rendered);
-            controller.lock(|controller| controller.store_fixture(place, fixture.as_ref()));
-        }
         Ok(Rendering {
             demand,
             stiffness,
@@ -58,11 +53,56 @@ impl Planner {
         })
     }
 
+    /// Hands the controller the walls and guides of a stream that begins.
+    pub(super) fn store_fixtures(
+        &self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+    ) {
+        // One in each access, which lasts no longer than a segment's copy.
+        for (place, fixture) in self.fixtures.iter().enumerate() {
+            let fixture = fixture.as_ref().and_then(rendered);
+            controller.lock(|controller| controller.store_fixture(place, fixture.as_ref()));
+        }
+    }
+
+    /// Changes the impedance of the stream in progress, in 0.1 s.
+    ///
+    /// # Errors
+    /// There is none, or what of it is not passive or means nothing; the springs stay as they are then.
+    pub fn set_impedance(
+        &mut self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        impedance: &Impedance,
+    ) -> Result<(), StreamError> {
+        let renders = |stream: &Stream| stream.is_active() && stream.config.mode.renders();
+        if !self.stream.as_ref().is_some_and(renders) {
+            return Err(StreamError::NoImpedance);
+        }
+        let (from, joints, tick) = controller.lock(|controller| {
+            let sample = controller.stream_sample();
+            (*controller.rendering(), sample.angle, sample.tick)
+        });
+        let to = self.rendering(controller, (from.target, joints), impedance)?;
+        if let Some(stream) = &mut self.stream {
+            stream.change = Some(RenderingChange {
+                from,
+                to,
+                begins: tick,
+                ticks: self.tick_rate * CHANGE,
+            });
+        }
+        Ok(())
+    }
+
     /// Changes a wall or a guide of the next stream with an impedance.
     ///
     /// # Errors
-    /// It means nothing, or there is no such place for one.
+    /// It means nothing, there is no such place for one, or a stream has the arm.
     pub fn set_fixture(&mut self, place: u8, fixture: Option<Fixture>) -> Result<(), StreamError> {
+        // What springs change to is checked with the walls that are there.
+        if self.is_streaming() {
+            return Err(StreamError::Moving);
+        }
         let refused = StreamError::Fixture(place);
         let slot = self.fixtures.get_mut(usize::from(place)).ok_or(refused)?;
         if fixture
@@ -78,6 +118,37 @@ impl Planner {
     /// Takes all walls and guides away.
     pub fn clear_fixtures(&mut self) {
         self.fixtures = [None; FIXTURES];
+    }
+}
+
+/// How springs and dampers change. Both ends are passive, so everything between them is: the damping that is demanded is linear in
+/// them.
+#[derive(Clone, Copy)]
+pub(super) struct RenderingChange {
+    from: Rendering,
+    to: Rendering,
+    begins: u32,
+    ticks: f32,
+}
+
+impl RenderingChange {
+    /// Goes on to this tick. Returns whether it is over.
+    pub(super) fn go_on(
+        &self,
+        controller: &mut impl Mutex<T = ArmController<impl Drives>>,
+        tick: u32,
+    ) -> bool {
+        let done = (tick.wrapping_sub(self.begins) as f32 / self.ticks).min(1.0);
+        let mix = |from: &Symmetric<f32>, to: &Symmetric<f32>| from.combined(1.0 - done, to, done);
+        let (from, to) = (&self.from, &self.to);
+        let next = Rendering {
+            stiffness: mix(&from.stiffness, &to.stiffness),
+            damping: mix(&from.damping, &to.damping),
+            demand: mix(&from.demand, &to.demand),
+            target: from.target,
+        };
+        controller.lock(|controller| controller.change_rendering(&next));
+        done >= 1.0
     }
 }
 

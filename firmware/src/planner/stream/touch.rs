@@ -30,7 +30,13 @@ impl Planner {
             StreamMode::Free => None,
             StreamMode::Impedance(impedance) => {
                 controller.lock(|controller| controller.check_touch())?;
-                Some(self.rendering(controller, hold, impedance)?)
+                let tool = &self.envelope.workspace.tool;
+                let held = hold
+                    .and_then(|hold| Some((hold.tool(tool, self.assembly)?, hold.joints())))
+                    .ok_or(StreamError::Moving)?;
+                let rendering = self.rendering(controller, held, impedance)?;
+                self.store_fixtures(controller);
+                Some(rendering)
             }
         };
         controller.lock(|controller| controller.begin_touch(rendering.as_ref()))?;
@@ -62,7 +68,13 @@ impl Stream {
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         state: State,
     ) {
-        let phase = controller.lock(|controller| controller.touch_phase());
+        let (phase, tick) =
+            controller.lock(|controller| (controller.touch_phase(), controller.ticks()));
+        if let Some(change) = &self.change
+            && change.go_on(controller, tick)
+        {
+            self.change = None;
+        }
         match phase {
             Some(TouchPhase::Ends) => self.end(StreamReason::Stopped),
             Some(_) if self.progress.phase == StreamPhase::Ends => {

@@ -4,7 +4,7 @@
 use super::messages::JointTrajectory;
 use super::trajectory::{Place, Trajectory, Unfollowed};
 use fivebar_firmware::Status;
-use fivebar_firmware::motion::StreamMode;
+use fivebar_firmware::motion::{FIXTURES, StreamMode, StreamPolicy};
 use fivebar_sim::drive::held_angles;
 use fivebar_sim::live::{LiveArm, LiveError, LiveStream};
 use fivebar_sim::streaming::{SetPoint, StreamOptions};
@@ -116,6 +116,8 @@ impl Worker {
             mode: StreamMode::Joint,
             rate: RATE,
             delay: None,
+            policy: StreamPolicy::Stop,
+            fixtures: [None; FIXTURES],
         })?;
         Ok((trajectory, stream))
     }

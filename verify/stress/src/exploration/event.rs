@@ -7,7 +7,7 @@ use crate::crossing_arm::CROSSING;
 use crate::rules::Violation;
 use crate::timed::timed_run;
 use fivebar_firmware::controller::{Excitation, Excited, Request};
-use fivebar_firmware::motion::{Impedance, StreamMode};
+use fivebar_firmware::motion::{Impedance, StreamMode, StreamPolicy};
 use fivebar_firmware::protocol::{BoardTest, HostCommand, Section, SectionKey, VERSION};
 use fivebar_firmware::recorder::LogConfig;
 use fivebar_firmware::safety::Fault;
@@ -36,7 +36,7 @@ pub(crate) enum Event {
     /// The first of this many pieces of a motion that the host has planned from the start.
     Timed(usize),
     /// The host begins a stream of set-points.
-    BeginStream,
+    BeginStream(StreamPolicy),
     /// The host lets a hand lead the arm.
     BeginFree,
     /// The host begins a stream with a spring at the tool.
@@ -73,6 +73,12 @@ const SPRING: Impedance = Impedance {
     damping: (0.01, 0.0, 0.01),
 };
 
+/// What becomes of it.
+const SOFTER: Impedance = Impedance {
+    stiffness: (2.0, 0.0, 4.0),
+    damping: (0.0, 0.0, 0.0),
+};
+
 /// All events, those of the board's faults included.
 pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     use Event::{
@@ -106,6 +112,7 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
         HostCommand::SaveSettings,
         HostCommand::Telemetry { every: 7 },
         HostCommand::EndStream,
+        HostCommand::SetImpedance(SOFTER),
         HostCommand::BeginLog(LogConfig {
             signals: 0xff,
             every: 1,
@@ -117,7 +124,8 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
     events.extend(commands.map(Command));
     events.extend([Line(0), Line(FULL_TOOL), Joint, Timed(1), Timed(usize::MAX)]);
     events.extend([
-        BeginStream,
+        BeginStream(StreamPolicy::Stop),
+        BeginStream(StreamPolicy::Limit),
         BeginFree,
         BeginImpedance,
         Points(3),
@@ -232,9 +240,11 @@ impl<D: ExploredDrives> World<D> {
                 }
                 Ok(())
             }
-            Event::BeginStream => self.begin_stream(StreamMode::Tip),
-            Event::BeginFree => self.begin_stream(StreamMode::Free),
-            Event::BeginImpedance => self.begin_stream(StreamMode::Impedance(SPRING)),
+            Event::BeginStream(policy) => self.begin_stream(StreamMode::Tip, policy),
+            Event::BeginFree => self.begin_stream(StreamMode::Free, StreamPolicy::Stop),
+            Event::BeginImpedance => {
+                self.begin_stream(StreamMode::Impedance(SPRING), StreamPolicy::Stop)
+            }
             Event::Points(points) => self.stream_points(points),
             Event::WrongPoint => self.wrong_point(),
             Event::Move(kind) => self.send_move(0, kind).map(drop),

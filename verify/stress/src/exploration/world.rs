@@ -9,7 +9,7 @@ use crate::rules::{Rules, Violation};
 use crate::way_out::Machine;
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::Drives;
-use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::protocol::{
     Board as Kind, CommandError, ControllerMessage, Decoder, HostCommand, HostMessage, Identity,
     Reply, Reset, Sequence, VERSION,
@@ -28,6 +28,7 @@ const STREAM: StreamConfig = StreamConfig {
     mode: StreamMode::Tip,
     period: 2,
     delay: 10,
+    policy: StreamPolicy::Stop,
 };
 /// Ticks in which the zeros of the current sensors are measured with the bridges off.
 const ZERO_TICKS: u32 = 64 + 2048;
@@ -242,8 +243,16 @@ impl<D: ExploredDrives> World<D> {
     }
 
     /// The host begins a stream of set-points of this mode.
-    pub(super) fn begin_stream(&mut self, mode: StreamMode) -> Result<(), Violation> {
-        let config = StreamConfig { mode, ..STREAM };
+    pub(super) fn begin_stream(
+        &mut self,
+        mode: StreamMode,
+        policy: StreamPolicy,
+    ) -> Result<(), Violation> {
+        let config = StreamConfig {
+            mode,
+            policy,
+            ..STREAM
+        };
         let begun = self.command(HostCommand::BeginStream(config))?;
         if begun.is_none() {
             self.stream = (self.status.tick, self.tool());
