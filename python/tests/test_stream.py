@@ -1,7 +1,9 @@
 """Set-points that a program streams. The arm's time passes only during the calls."""
 
+import asyncio
 from math import cos, sin, tau
 
+import numpy as np
 import pytest
 
 import fivebar
@@ -68,6 +70,52 @@ def test_a_stream_that_limits_do_not_end_stays_within_them_and_comes_back():
         assert state.points == 801 and 0.0 <= state.interval <= state.longest_interval
         assert live.state.tool == pytest.approx((x, y), abs=1e-3)
         assert state.theta == pytest.approx(live.state.theta, abs=1e-2)
+
+
+def test_arrays_are_followed():
+    with armed() as live:
+        x, y = live.state.tool
+        time = np.linspace(0.0, 1.0, 201)
+        turned = tau * time**2 * (3 - 2 * time)
+        rate = tau * 6 * time * (1 - time)
+        points = np.stack([x + 2e-3 * np.sin(turned), y + 2e-3 * (1 - np.cos(turned))], axis=1)
+        rates = 2e-3 * np.stack([np.cos(turned) * rate, np.sin(turned) * rate], axis=1)
+        for velocities in (None, rates):
+            with live.stream(rate=200) as stream:
+                stream.follow(points, velocities)
+            assert live.state.tool == pytest.approx((x, y), abs=1e-3)
+        theta = np.array(live.state.theta)
+        with live.stream(rate=200) as stream:
+            stream.follow(theta + 0.01 * np.sin(turned)[:, None] * (1 - time)[:, None], joints=True)
+        assert live.state.theta == pytest.approx(theta, abs=1e-2)
+
+
+def test_other_tasks_go_on_while_a_stream_waits():
+    async def draw(live):
+        x, y = live.state.tool
+        async with live.stream(rate=200) as stream:
+            for point in circle(x, y, 2e-3):
+                await stream.tip(*point)
+            seen = stream.state
+        return seen, live.state.tool, (x, y)
+
+    async def count():
+        turns = 0
+        while True:
+            turns += 1
+            await asyncio.sleep(0)
+
+    async def both(live):
+        other = asyncio.ensure_future(count())
+        drawn = await draw(live)
+        assert not other.done()
+        other.cancel()
+        return drawn
+
+    with armed() as live:
+        seen, there, start = asyncio.run(both(live))
+        assert there == pytest.approx(start, abs=1e-3)
+        assert seen.points == 401 and seen.phase == "Follows"
 
 
 def test_what_is_no_point_is_refused_and_the_stream_ends_at_rest():

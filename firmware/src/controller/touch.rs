@@ -283,6 +283,8 @@ impl<D: Drives> ArmController<D> {
         } = &mut self.touch;
         *phase = TouchPhase::Yields;
         (*begun, *fed_at, *damped, *mode) = (self.ticks, self.ticks, 0, self.mode);
+        // A pen is lifted: nobody knows where the hand goes.
+        self.forget_path();
         self.setpoint_history.restart();
         for joint in &mut self.joints {
             joint.release();

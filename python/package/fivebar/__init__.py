@@ -46,7 +46,7 @@ from ._results import (
 from ._robots import built_in
 from ._simulation import NO_MISMATCH, Run, Trace, simulate
 from ._status import Side, Status
-from ._stream import Stream, StreamState
+from ._stream import AsyncStream, Stream, StreamState
 from ._synthesis import Design, design, dexterities
 from ._teaching import TaughtPath
 from ._touch import Fixture, Impedance
@@ -54,6 +54,7 @@ from ._touch import Fixture, Impedance
 __all__ = [
     "Arm",
     "ArmState",
+    "AsyncStream",
     "ControllerError",
     "Derivatives",
     "Design",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from asyncio import to_thread
+from itertools import repeat
 from time import monotonic
 from types import TracebackType
-from typing import List, NamedTuple, Optional, Tuple, Type
+from typing import Iterable, List, NamedTuple, Optional, Sequence, Tuple, Type
 
 from . import _native
 from ._errors import FivebarError
@@ -101,6 +103,20 @@ class Stream:
             longest_interval=self._longest,
         )
 
+    def follow(
+        self,
+        points: Iterable[Sequence[float]],
+        velocities: Optional[Iterable[Sequence[float]]] = None,
+        *,
+        joints: bool = False,
+    ) -> None:
+        """Gives rows of points of the tip [m], or of the joints [rad], such as an array of n × 2, with these velocities."""
+        rates: Iterable[Sequence[Optional[float]]] = (
+            repeat((None, None)) if velocities is None else velocities
+        )
+        for point, rate in zip(points, rates):
+            self._give(joints, (point[0], point[1]), (rate[0], rate[1]))
+
     def _give(
         self,
         joints: bool,
@@ -132,6 +148,17 @@ class Stream:
         self._points += 1
         self._last = now
 
+    async def __aenter__(self) -> AsyncStream:
+        return AsyncStream(self)
+
+    async def __aexit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        trace: Optional[TracebackType],
+    ) -> None:
+        await to_thread(self.__exit__, kind, error, trace)
+
     def __enter__(self) -> Stream:
         return self
 
@@ -147,6 +174,36 @@ class Stream:
             # What has ended the block says more.
             if error is None:
                 raise
+
+
+class AsyncStream:
+    """What ``async with arm.stream() as s`` gives: the calls of :class:`Stream`, for each of which a program with ``asyncio``
+    waits while its other tasks go on.
+    """
+
+    def __init__(self, stream: Stream) -> None:
+        self._stream = stream
+
+    @property
+    def state(self) -> Optional[StreamState]:
+        """As :attr:`Stream.state`."""
+        return self._stream.state
+
+    async def tip(
+        self, x: float, y: float, vx: Optional[float] = None, vy: Optional[float] = None
+    ) -> None:
+        """As :meth:`Stream.tip`."""
+        await to_thread(self._stream.tip, x, y, vx, vy)
+
+    async def joint(
+        self,
+        theta1: float,
+        theta4: float,
+        omega1: Optional[float] = None,
+        omega4: Optional[float] = None,
+    ) -> None:
+        """As :meth:`Stream.joint`."""
+        await to_thread(self._stream.joint, theta1, theta4, omega1, omega4)
 
 
 def _floats(name: str, values: Tuple[float, float]) -> List[float]:

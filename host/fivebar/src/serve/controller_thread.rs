@@ -10,6 +10,7 @@ use super::mode_thread::ModeThread;
 use super::move_feeder::{JobStatus, MoveFeeder};
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, Preview};
+use super::teaching::Teaching;
 use super::trail::Trail;
 use super::wire::channels::ControllerEnd;
 use super::wire::lease::PageId;
@@ -22,7 +23,7 @@ use fivebar_firmware::Status;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::Fault;
-use fivebar_kinematics::five_bar::Side;
+use fivebar_kinematics::five_bar::{Side, Tool};
 use fivebar_report::text::next_step;
 use fivebar_sim::controller::{Session, SpeedMeter, sentence};
 use fivebar_sim::drive_values::DriveValues;
@@ -70,6 +71,9 @@ pub(super) struct ControllerThread {
     pub(super) run_on: bool,
     /// When a page last cleared a fault.
     pub(super) cleared: Option<Instant>,
+    /// A hand leads the arm.
+    pub(super) teaching: Option<Teaching>,
+    pub(super) tool: Tool<f64>,
     speed: SpeedMeter,
 }
 
@@ -101,6 +105,7 @@ impl ControllerThread {
         };
         let every = (session.settings.control.tick_rate / samples) as u16;
         session.client.call(HostCommand::Telemetry { every })?;
+        let tool = robot.tool_on_link()?;
         let preview = Preview::new(&session.settings);
         let speed = SpeedMeter::from(0.0, session.clock.now());
         Ok(Self {
@@ -123,6 +128,8 @@ impl ControllerThread {
             run_asked_by: None,
             run_on: false,
             cleared: None,
+            teaching: None,
+            tool,
             speed,
         })
     }
@@ -145,6 +152,8 @@ impl ControllerThread {
             let status = self.session.status;
             self.note_position(&status);
             self.feeder.drop_target();
+        } else if self.teaching.is_some() {
+            self.be_led()?;
         } else {
             self.feed_controller()?;
         }
@@ -242,7 +251,7 @@ impl ControllerThread {
 
     /// Whether the host may send to the controller now: only while the page in control gives
     /// signs of life or a job runs on without one, and after the stops that pages have asked for.
-    fn may_feed(&mut self) -> Result<bool, LinkError> {
+    pub(super) fn may_feed(&mut self) -> Result<bool, LinkError> {
         if self.stop_if_asked()? {
             return Ok(false);
         }
@@ -287,7 +296,7 @@ impl ControllerThread {
     }
 
     /// Notes where the tool is, for the drawing.
-    fn note_position(&mut self, status: &Status) {
+    pub(super) fn note_position(&mut self, status: &Status) {
         self.trail
             .note(status, self.session.settings.control.tick_rate);
     }

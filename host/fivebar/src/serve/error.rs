@@ -3,6 +3,7 @@
 use crate::senders::SendersError;
 use fivebar_design::workspace::GridError;
 use fivebar_files::robot::{HomeError, WorkspaceError};
+use fivebar_kinematics::five_bar::GeometryError;
 use fivebar_sim::controller::OpenError;
 use fivebar_sim::link::LinkError;
 use fivebar_sim::simulation::RunError;
@@ -37,6 +38,9 @@ pub enum ServeError {
     /// The robot has no home pose.
     #[error(transparent)]
     HomeError(#[from] HomeError),
+    /// The robot's links close no arm.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
     /// The robot's workspace cannot be mapped.
     #[error(transparent)]
     WorkspaceError(#[from] WorkspaceError),

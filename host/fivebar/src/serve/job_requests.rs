@@ -6,16 +6,17 @@ use super::move_feeder::takes_moves;
 use super::parsed_job::ParsedJob;
 use super::preview::{JobStart, nearest};
 use super::requests::{JOINT_SPEED, Refused};
-use super::wire::lease::Page;
-use super::wire::lease::PageId;
+use super::teaching::NAME;
+use super::wire::lease::{Page, PageId};
 use super::wire::message::Reading;
 use fivebar_files::job::JobOptions;
 use fivebar_firmware::{Move, MoveKind};
+use fivebar_sim::link::LinkError;
 use fivebar_sim::path_queue::way_back;
 use std::sync::Arc;
 
 impl ControllerThread {
-    pub(super) fn load_job(&mut self, page: &Page, source: JobSource) -> Result<(), Refused> {
+    pub(super) fn load_job(&mut self, page: PageId, source: JobSource) -> Result<(), Refused> {
         if self.feeder.is_running() {
             return Err("A job is running: stop it first.".into());
         }
@@ -26,7 +27,7 @@ impl ControllerThread {
         self.feeder.forget();
         self.run_on = false;
         let start = self.preview.start(&self.session.status);
-        self.jobs.order(Work::Load(page.id, source), start);
+        self.jobs.order(Work::Load(page, source), start);
         Ok(())
     }
 
@@ -232,6 +233,36 @@ impl ControllerThread {
             .next()
             .map(Some)
             .ok_or_else(|| "No motion leads to the job's place: move the tool nearer to it.".into())
+    }
+
+    /// Goes on with an arm that a hand leads; what was taught becomes the job.
+    pub(super) fn be_led(&mut self) -> Result<(), LinkError> {
+        let page_is_alive = self.may_feed()?;
+        let Some(mut teaching) = self.teaching.take() else {
+            return Ok(());
+        };
+        let is_over = teaching.go_on(&mut self.session, page_is_alive)?;
+        let status = self.session.status;
+        self.note_position(&status);
+        if !is_over {
+            self.teaching = Some(teaching);
+            return Ok(());
+        }
+        let loaded = match teaching.path(&self.tool) {
+            Ok(path) => {
+                let (time, length) = (path.time(), 1e3 * path.length());
+                self.notice(&format!(
+                    "{time:.1} s and {length:.0} mm were taught, and are the job now."
+                ));
+                let source = JobSource::InPlace(NAME.into(), path.to_gcode());
+                self.load_job(teaching.page, source)
+            }
+            Err(why) => Err(format!("Nothing was taught: {why}.")),
+        };
+        if let Err(why) = loaded {
+            self.refuse(Some(teaching.page), why);
+        }
+        Ok(())
     }
 
     /// Takes a job that was read and checked, and starts it if its page has asked for that.

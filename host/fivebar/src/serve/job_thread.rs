@@ -49,10 +49,12 @@ pub(super) enum Work {
     Rest(Arc<ParsedJob>, usize, [f32; 2]),
 }
 
-/// A job as a page sent it.
+/// A job as a page sent it, or as a hand taught it.
 pub(super) enum JobSource {
     /// Its name and its G-code.
     Text(String, String),
+    /// The same in the frame of the base, to be drawn there.
+    InPlace(String, String),
     /// A message that was too long to be read where it arrived.
     Message(Utf8Bytes),
 }
@@ -429,8 +431,13 @@ impl Workshop {
         source: JobSource,
         start: JobStart,
     ) -> Result<ParsedJob, Prepared> {
+        let mut origin = None;
         let (name, text) = match source {
             JobSource::Text(name, text) => (name, text),
+            JobSource::InPlace(name, text) => {
+                origin = Some([0.0; 2]);
+                (name, text)
+            }
             JobSource::Message(message) => match serde_json::from_str(&message) {
                 Ok(NumberedRequest {
                     request: ClientRequest::Load { name, text },
@@ -441,7 +448,11 @@ impl Workshop {
             },
         };
         let (name, text) = (brief(name), Arc::<str>::from(text));
-        match self.scenario(&name, text.to_string()).job() {
+        let scenario = Scenario {
+            origin,
+            ..self.scenario(&name, text.to_string())
+        };
+        match scenario.job() {
             Ok(job) => {
                 let parsed = self.parsed(&name, text, (job, Size::TRUE), start);
                 parsed.map_err(|why| unreadable(name, why, self.reading))

@@ -63,6 +63,7 @@ mod requests;
 mod socket;
 mod stops;
 mod strokes;
+mod teaching;
 mod trail;
 mod web;
 mod wire;

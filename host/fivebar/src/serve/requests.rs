@@ -5,6 +5,7 @@ use super::held_motion::HeldBy;
 use super::job_thread::{JobSource, Work};
 use super::move_feeder::{MoveEnd, takes_moves};
 use super::preview::nearest;
+use super::teaching::Teaching;
 use super::wire::channels::{Event, EventKind};
 use super::wire::lease::{Page, PageId};
 use super::wire::message::{
@@ -81,6 +82,7 @@ impl ClientRequest {
             | Self::HoldJoint { .. }
             | Self::Renew(_)
             | Self::Pen(_)
+            | Self::Teach(_)
             | Self::Mode(_)
             | Self::Console(_)
             | Self::Frame
@@ -141,7 +143,7 @@ impl ControllerThread {
             // A job moves nothing, and a page is silent while it sends a large one: its lease may
             // have run out.
             EventKind::LongMessage(message) if lease.holder() == Some(page.id) => {
-                self.load_job(&page, JobSource::Message(message.clone()))
+                self.load_job(page.id, JobSource::Message(message.clone()))
             }
             EventKind::LongMessage(_) => Err("This page watches: take control first.".into()),
             EventKind::Request(NumberedRequest { number, request }) => {
@@ -227,8 +229,12 @@ impl ControllerThread {
                 self.feeder.set_feed(single(share));
                 Ok(())
             }
+            ClientRequest::Teach(false) => self.teach(page.id, false),
+            _ if self.teaching.is_some() => Err("A hand leads the arm: end that first.".into()),
             _ if self.feeder.is_running() => Err("A job is running: stop it first.".into()),
-            ClientRequest::Load { name, text } => self.load_job(page, JobSource::Text(name, text)),
+            ClientRequest::Load { name, text } => {
+                self.load_job(page.id, JobSource::Text(name, text))
+            }
             ClientRequest::Place(shift) => self.place_job(|job| Work::Place(job, shift)),
             ClientRequest::Read(reading) => self.read_again(reading),
             ClientRequest::Fit => self.place_job(Work::Fit),
@@ -259,11 +265,27 @@ impl ControllerThread {
                 self.hold_joint(joint, single(rate), held_by)
             }
             ClientRequest::Pen(position) => self.move_pen(position),
+            ClientRequest::Teach(_) => self.teach(page.id, true),
             ClientRequest::Mode(elbows) => {
                 self.change_mode(page.id, elbows);
                 Ok(())
             }
         }
+    }
+
+    /// Lets a hand lead the arm, or holds it.
+    fn teach(&mut self, page: PageId, begins: bool) -> Result<(), Refused> {
+        if !begins {
+            let teaching = self.teaching.as_mut().ok_or("No hand leads the arm.")?;
+            return teaching.end(&mut self.session);
+        }
+        self.is_ready()?;
+        let branch = self.preview.start(&self.session.status).branch;
+        let branch = branch.ok_or("The arm is not homed: home it first.")?;
+        self.teaching = Some(Teaching::begin(&mut self.session, page, branch.assembly)?);
+        self.feeder.drop_target();
+        self.notice("Lead the tip by hand. The same button ends it.");
+        Ok(())
     }
 
     fn give_control(&mut self, page: &Page, received: Instant) -> Result<(), Refused> {

@@ -9,7 +9,7 @@ use fivebar::serve::{Guard, ServeError, ServeOptions, serve};
 use fivebar_files::job::JobReader;
 use fivebar_files::robot::Robot;
 use fivebar_sim::clock::Clock;
-use fivebar_sim::controller::ControllerSource;
+use fivebar_sim::controller::{ControllerSource, Hand};
 use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::io::Read as _;
@@ -54,20 +54,25 @@ impl Server {
 
     /// A server of this built-in robot, whose jobs are time-optimal with a share of the torque if one is given.
     pub(crate) fn of(robot: &str, time_optimal: Option<f64>) -> Self {
-        Self::with(built_in(robot), time_optimal, JobReader::default())
+        Self::with(built_in(robot), time_optimal, JobReader::default(), None)
     }
 
     /// A server of any robot.
     pub(crate) fn of_robot(robot: Robot) -> Self {
-        Self::with(robot, None, JobReader::default())
+        Self::with(robot, None, JobReader::default(), None)
     }
 
     /// A server of the benchtop arm whose jobs this reader reads.
     pub(crate) fn reading_by(jobs: JobReader) -> Self {
-        Self::with(built_in("benchtop"), None, jobs)
+        Self::with(built_in("benchtop"), None, jobs, None)
     }
 
-    fn with(robot: Robot, time_optimal: Option<f64>, jobs: JobReader) -> Self {
+    /// A server of a robot whose tip this hand leads when it grips.
+    pub(crate) fn led(robot: Robot, hand: &Hand) -> Self {
+        Self::with(robot, None, JobReader::default(), Some(hand.clone()))
+    }
+
+    fn with(robot: Robot, time_optimal: Option<f64>, jobs: JobReader, hand: Option<Hand>) -> Self {
         let clock = Clock::simulated();
         let guard = Guard::with_new_token().expect("random numbers");
         let token = guard.token().to_owned();
@@ -89,7 +94,11 @@ impl Server {
                 ready.send(address).expect("a test that waits");
             };
             let ends = move || end.load(Ordering::Relaxed);
-            serve(&robot, ControllerSource::Simulated, options, ready, ends)
+            let source = match &hand {
+                Some(hand) => ControllerSource::Led(hand),
+                None => ControllerSource::Simulated,
+            };
+            serve(&robot, source, options, ready, ends)
         });
         Self {
             clock,

@@ -14,4 +14,5 @@ mod own_job;
 mod placing;
 mod state;
 mod stops;
+mod teaching;
 mod time_optimal;

@@ -155,7 +155,7 @@ function nameOf(control) {
 }
 
 // The controls that move the arm, or power its motors.
-const MOVING = ["home", "arm", "clear_fault", "control", "frame", "run", "run-from", "resume", "jog", "pen", "change", "send"];
+const MOVING = ["home", "arm", "clear_fault", "control", "frame", "run", "run-from", "resume", "jog", "pen", "lead", "change", "send"];
 const controls = [...document.querySelectorAll("#panel button:not([data-mode])")];
 const modes = [...document.querySelectorAll("[data-mode]")];
 const controlOf = (name) => document.querySelector(`[data-request="${name}"]`) ?? at(name);
@@ -332,6 +332,7 @@ const ACTIONS = {
   },
   grab: () => setGrab(!drawing.grabs),
   frame: () => send("frame"),
+  lead: () => send({ teach: last.state !== "Compliant" }),
   demonstration: async () => {
     const answer = await fetch("demonstration.gcode");
     load("the demonstration", await answer.text());

@@ -54,6 +54,8 @@ export function whyNot(control, state, job) {
       return isJob ? "a job runs" : armed || running ? null : `the state is “${word(state)}”`;
     case "pen":
       return isJob ? "a job runs" : armed ? null : running ? "the arm moves" : "the motors are off";
+    case "lead":
+      return isJob ? "a job runs" : armed || name === "Compliant" ? null : running ? "the arm moves" : "the motors are off";
     case "send": return isJob ? "a job runs" : null;
     case "resume": return state.held === null ? "no job was stopped" : armed ? null : "the motors are off";
     case "run": case "run-from":
@@ -85,7 +87,7 @@ export function nextStep(state, job, fault, watching) {
       return [`${what} Repair the cause, then press the marked button.${held}`, null, "Show it", "clear_fault"];
     }
     case "Homing": return ["The arm searches for its home switches.", "stop", "Stop"];
-    case "Compliant": return ["A hand leads the arm.", "stop", "Stop"];
+    case "Compliant": return ["Lead the tip by hand. What you teach becomes the job.", "lead", "End leading"];
     case "Crossing": return ["The arm crosses a singularity.", null, "Wait"];
     case "Stopping": return ["The arm comes to rest on its path.", null, "Wait"];
     case "Stopped":

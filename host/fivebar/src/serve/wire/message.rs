@@ -57,6 +57,8 @@ pub(in crate::serve) enum ClientRequest {
     Renew(u64),
     /// Put the pen down or lift it, where the arm rests.
     Pen(PenPosition),
+    /// Let a hand lead the arm; false: hold it, and take what was taught as the job.
+    Teach(bool),
     /// Send a line of G-code, or a command of Grbl.
     Console(String),
     /// Change to this working mode (the sides of elbows 1 and 4) with the same position of
