@@ -5,7 +5,9 @@ mod bench;
 use bench::{Bench, Driven, arm_at, robot};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
-use fivebar_firmware::motion::{Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy};
+use fivebar_firmware::motion::{
+    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
+};
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
 use nalgebra::Vector2;
@@ -100,7 +102,31 @@ fn a_spring_gives_way_by_the_force_over_its_stiffness_and_pulls_back() {
         (given - expected).abs() < 0.3 * expected,
         "{given} m for {expected} m"
     );
-    spring_at(&mut driven, 130, home, Vector2::zeros());
+    // Twice as stiff, it gives way half as far; one that is not passive changes nothing.
+    let impedance = |k: f32| Impedance {
+        stiffness: isotropic(k),
+        damping: isotropic(damping),
+    };
+    assert!(does(
+        &mut driven,
+        HostCommand::SetImpedance(impedance(2.0 * stiffness))
+    ));
+    assert!(!does(
+        &mut driven,
+        HostCommand::SetImpedance(impedance(1e6))
+    ));
+    for (k, (pull, place)) in [PULL, -PULL].into_iter().zip(&mut pulled).enumerate() {
+        let pull = Vector2::new(pull, 0.0);
+        spring_at(&mut driven, 130 + 60 * k as u16, home, pull);
+        *place = tool(&mut driven);
+    }
+    let stiffer = 0.5 * (pulled[0] - pulled[1]).x;
+    assert!(
+        (stiffer - 0.5 * expected).abs() < 0.2 * expected,
+        "{stiffer} m for {} m",
+        0.5 * expected
+    );
+    spring_at(&mut driven, 260, home, Vector2::zeros());
     assert!((tool(&mut driven) - home).norm() < 0.5 * expected);
     assert!(does(&mut driven, HostCommand::EndStream));
     wait(&mut driven);

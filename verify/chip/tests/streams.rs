@@ -138,6 +138,34 @@ fn half_a_circle_and_the_way_back_with_a_pause_are_followed_and_a_stream_beyond_
     assert!(tool_y > y + 0.005 && tool_y < y + 0.25, "{tool_y} m");
 }
 
+/// A host that draws a large circle, a part of which is out of reach, and then waits at its beginning.
+#[test]
+fn a_stream_that_limits_do_not_end_comes_back_to_where_it_began() {
+    let [x, y] = robot().best_point().expect("a point");
+    let arm = arm_at([x as f32, y as f32], MILLISECOND);
+    let mut driven = Bench::of(arm, Options::default(), Vec::new()).ready();
+    driven.arm();
+    let circle = |share: f64| {
+        let (sin, cos) = (2.0 * PI * (share / 0.7).min(1.0)).sin_cos();
+        [x + 0.05 * sin, y + 0.15 * (1.0 - cos)]
+    };
+    let mut drive = Drive::new(&mut driven.client, &|| false);
+    let followed = drive.follow_stream(
+        &StreamOptions {
+            policy: StreamPolicy::Limit,
+            ..options(StreamMode::Tip)
+        },
+        TICK_RATE,
+        &mut program(MANY_POINTS, circle),
+    );
+    followed.expect("a circle as far as the arm goes");
+    let status = driven.status();
+    assert_eq!((status.state, status.fault), (State::Armed, None));
+    let [tool_x, tool_y] = status.tool.expect("a position").map(f64::from);
+    let off = (tool_x - x).hypot(tool_y - y);
+    assert!(off < 5e-5, "{off} m off");
+}
+
 #[test]
 fn points_that_cannot_be_followed_are_refused_with_their_reason_and_the_third_ends_the_stream() {
     let [x, y] = robot().best_point().expect("a point");
