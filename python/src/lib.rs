@@ -41,7 +41,7 @@ mod _native {
     #[pymodule_export]
     use super::dynamics::{derivatives, forward_dynamics, inverse_dynamics};
     #[pymodule_export]
-    use super::live::{Connection, taught_path_as};
+    use super::live::{Connection, taught_path_as, taught_rests};
     #[pymodule_export]
     use super::measured::{
         calibrate, calibration_poses, excitations, identify, identify_payload, simulated_log,

@@ -425,15 +425,23 @@ impl Connection {
     }
 }
 
-/// A taught path, as JSON, in another form: "gcode" or "svg".
+/// A taught path, as JSON, in another form: "gcode", "svg" or "csv".
 #[pyfunction]
 pub(crate) fn taught_path_as(py: Python<'_>, taught: &str, form: &str) -> PyResult<String> {
     let path = TaughtPath::parse(taught).map_err(|refusal| error::controller(py, refusal))?;
     Ok(match form {
         "gcode" => path.to_gcode(),
         "svg" => path.to_svg(),
+        "csv" => path.rests_to_csv(),
         _ => path.to_json(),
     })
+}
+
+/// The places at which the tip rested for so long [s] along a taught path, as JSON.
+#[pyfunction]
+pub(crate) fn taught_rests(py: Python<'_>, taught: &str, least: f64) -> PyResult<Vec<[f64; 2]>> {
+    let path = TaughtPath::parse(taught).map_err(|refusal| error::controller(py, refusal))?;
+    Ok(path.rests(least))
 }
 
 /// A refused or ended call as an exception.

@@ -32,6 +32,16 @@ def test_an_arm_that_nobody_leads_stays_and_is_held():
         assert np.hypot(*np.subtract(live.state.tool, before)) < 5e-4
 
 
+def test_the_places_where_the_tip_rested_are_told(tmp_path):
+    corners = [(0.0, 0.15), (0.03, 0.15), (0.03, 0.18)]
+    way = np.linspace(*corners[:2], 20), [corners[1]] * 60, np.linspace(*corners[1:], 20)
+    path = taught(np.concatenate(way))
+    assert path.rests() == pytest.approx(np.array(corners), abs=3e-4)
+    assert len(path.rests(0.8)) == 2
+    path.save(tmp_path / "places.csv")
+    assert (tmp_path / "places.csv").read_text().splitlines()[0] == "x_m,y_m"
+
+
 @pytest.mark.parametrize(
     "robot, why",
     [

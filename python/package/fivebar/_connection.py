@@ -198,7 +198,7 @@ class LiveArm:
             goes_on=policy == "limit",
         )
 
-    def free(self, seconds: float) -> TaughtPath:
+    def free(self, seconds: float = 600.0) -> TaughtPath:
         """Lets a hand lead the arm for so long [s], or until :meth:`stop`; then it is held. Returns the motion of its tip.
 
         The motors are on and give way; they carry the arm's weight and a part of its friction. Walls keep it within its angles and

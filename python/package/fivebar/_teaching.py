@@ -34,11 +34,19 @@ class TaughtPath:
         return TaughtPath(_native.taught_path_as(text, "json"))
 
     def save(self, file: Union[str, "os.PathLike[str]"]) -> None:
-        """Writes the path: ``.json`` to be replayed, ``.gcode`` or ``.svg`` for other programs."""
+        """Writes the path: ``.json`` to be replayed, ``.gcode`` or ``.svg`` for other programs, ``.csv`` for the places of
+        :meth:`rests`.
+        """
         form = Path(file).suffix[1:]
-        if form not in ("json", "gcode", "svg"):
-            raise FivebarError(f"a taught path is written as .json, .gcode or .svg, not {file!r}")
+        if form not in ("json", "gcode", "svg", "csv"):
+            raise FivebarError(f"a taught path is written as .json, .gcode, .svg or .csv, not {file!r}")
         Path(file).write_text(_native.taught_path_as(self._text, form), encoding="utf-8")
+
+    def rests(self, least: float = 0.5) -> NDArray[np.float64]:
+        """The places [m] where the tip rested for at least so long [s], of shape (n, 2), with the first one and the last: where to
+        pick something up, and where to put it down.
+        """
+        return np.array(_native.taught_rests(self._text, float(least)), dtype=float)
 
     def __repr__(self) -> str:
         return f"<fivebar.TaughtPath of {self.robot!r}, {self.time[-1]:.2f} s>"

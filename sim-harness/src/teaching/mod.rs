@@ -2,9 +2,11 @@
 
 mod record;
 mod replay;
+mod rests;
 
 pub use record::{Record, TeachError};
 pub use replay::{LEAST_SPEED, MOST_SPEED, ReplayError};
+pub use rests::SHORTEST_REST;
 
 use serde::{Deserialize, Serialize};
 

@@ -31,7 +31,8 @@ const AFTER_HAND: f64 = 0.3;
 pub(super) struct Args {
     #[command(flatten)]
     controller: ControllerArgs,
-    /// The file: .json for `fivebar replay`, .gcode or .svg for other programs; - is JSON on the standard output.
+    /// The file: .json for `fivebar replay`, .gcode or .svg for other programs, .csv for the places where the tip rested for half
+    /// a second; - is JSON on the standard output.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// End after this time [s].
@@ -145,6 +146,7 @@ enum Format {
     Json,
     Gcode,
     Svg,
+    Places,
 }
 
 impl Format {
@@ -155,8 +157,9 @@ impl Format {
             None if path == Path::new("-") => Ok(Self::Json),
             Some("gcode" | "nc" | "ngc") => Ok(Self::Gcode),
             Some("svg") => Ok(Self::Svg),
+            Some("csv") => Ok(Self::Places),
             _ => Err(Failure::Usage(format!(
-                "{}: a taught path is written as .json, .gcode or .svg",
+                "{}: a taught path is written as .json, .gcode, .svg or .csv",
                 path.display()
             ))),
         }
@@ -169,6 +172,7 @@ pub(super) fn write(out: &Path, path: &TaughtPath) -> Result<(), Failure> {
         Format::Json => path.to_json(),
         Format::Gcode => path.to_gcode(),
         Format::Svg => path.to_svg(),
+        Format::Places => path.rests_to_csv(),
     };
     write_whole(out, text).map_err(refused)
 }

@@ -318,7 +318,11 @@ fn a_hand_teaches_arms_with_brushed_motors_and_others_are_told_why_not() {
             spans.iter().all(|it| (0.008..0.012).contains(it)),
             "{arm}: {spans:?}"
         );
-        for (file, begins) in [("wave.gcode", "G21 G90"), ("wave.svg", "<svg ")] {
+        for (file, begins) in [
+            ("wave.gcode", "G21 G90"),
+            ("wave.svg", "<svg "),
+            ("places.csv", "x_m,y_m\n"),
+        ] {
             assert!(
                 run(folder, arm, &["replay", "wave.json", "--out", file])
                     .status

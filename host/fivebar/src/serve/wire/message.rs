@@ -353,7 +353,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 21];
+        let mut seen = [false; 22];
         for example in examples.lines() {
             let read: NumberedRequest = serde_json::from_str(example).expect(example);
             let kind = match read.request {
@@ -378,10 +378,11 @@ mod tests {
                 ClientRequest::Fit => 18,
                 ClientRequest::Frame => 19,
                 ClientRequest::Read(_) => 20,
+                ClientRequest::Teach(_) => 21,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 21]);
+        assert_eq!(seen, [true; 22]);
     }
 
     #[test]
