@@ -1,6 +1,7 @@
 //! The chip with its program, and its time.
 
 use crate::bus::{Bus, Violation};
+use crate::flash::FlashEvent;
 use crate::image::Image;
 use crate::pins::Wires;
 use crate::rom::{self, Function};
@@ -82,6 +83,16 @@ impl Chip {
         self.bus = Bus::new(flash, Arc::clone(&self.bus.atomics));
         self.bus.blocks.wires.stop = stop;
         self.boot();
+    }
+
+    /// The flash with the program and the settings.
+    pub fn flash(&mut self) -> &mut [u8] {
+        &mut self.bus.flash
+    }
+
+    /// Takes what has changed the flash.
+    pub fn flash_events(&mut self) -> Vec<FlashEvent> {
+        std::mem::take(&mut self.bus.flash_events)
     }
 
     /// Cycles since power came on.

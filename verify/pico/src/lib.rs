@@ -4,6 +4,7 @@ mod acquire;
 mod board;
 mod bus;
 mod chip;
+mod flash;
 mod fpu;
 mod image;
 mod line;
@@ -14,6 +15,7 @@ mod watchdog;
 
 pub use bus::Violation;
 pub use chip::{Chip, HZ};
+pub use flash::{FlashEvent, Share};
 pub use image::{Image, ImageError};
 pub use line::HostLine;
 pub use pins::{Pulse, SERVO, Wires};

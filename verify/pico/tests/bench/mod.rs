@@ -67,6 +67,14 @@ impl Bench {
         }
     }
 
+    /// Power comes on with this flash, and the host begins a session.
+    pub(crate) fn start_with(&mut self, flash: &[u8]) -> Identity {
+        self.line.chip().flash().copy_from_slice(flash);
+        self.line.chip().power_cycle();
+        self.line.chip().run(HZ / 100).expect("it starts");
+        self.connect_again()
+    }
+
     /// The host begins a new session, as after a reset.
     pub(crate) fn connect_again(&mut self) -> Identity {
         let (client, identity) = open(&self.line);
