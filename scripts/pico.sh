@@ -17,6 +17,7 @@ target=thumbv8m.main-none-eabihf
 images=$built/firmware/$target/firmware
 for image in rp2350_stepper rp2350_servo; do
     scripts/uf2.py "$images/$image" "$images/$image.uf2"
+    cargo run --quiet --package fivebar-bounds -- fits "$images" "$image"
 done
 if [ "${1:-}" != image ]; then
     manifest=(--manifest-path verify/pico/Cargo.toml)

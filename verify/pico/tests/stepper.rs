@@ -178,9 +178,9 @@ fn an_emergency_stop_ends_the_steps_within_its_time_and_the_power_in_a_tick() {
         chip.press_stop(true);
         chip.run(2 * PERIOD).expect("it runs");
         let last = chip.wires().last_edge;
-        // Two clocks, and those of the instruction in which it was pressed; the synchroniser has two more.
+        // Two clocks; the synchroniser has two more, and one is for the place between two.
         assert!(
-            last <= pressed + 4,
+            last <= pressed + 2,
             "{moment}: {} cycles after",
             last - pressed
         );
@@ -208,7 +208,7 @@ fn a_press_that_is_over_before_the_next_tick_ends_the_steps_and_a_host_lets_them
     chip.press_stop(false);
     chip.run(HZ / 100).expect("it runs");
     let last = chip.wires().last_edge;
-    assert!(last <= pressed + 6, "{} cycles after", last - pressed);
+    assert!(last <= pressed + 2, "{} cycles after", last - pressed);
     drop(chip);
     assert_eq!(bench.status().fault, Some(Fault::EmergencyStop));
     bench.request(Request::ClearFault).expect("cleared");
