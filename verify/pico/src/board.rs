@@ -310,15 +310,14 @@ impl Blocks {
     }
 
     fn run_pio(&mut self, now: u64, cycles: u64) {
+        let mut levels = self.levels();
+        self.wires.drive(now, levels);
         if self.resets & PIO != 0 || !self.pio_runs {
-            let levels = self.levels();
-            self.wires.drive(now, levels);
             return;
         }
         for cycle in 0..cycles {
-            let levels = self.inputs();
-            flags::step(&mut self.pio, levels);
-            let levels = self.levels();
+            flags::step(&mut self.pio, levels & self.pins.reads);
+            levels = self.levels();
             self.wires.drive(now + cycle + 1, levels);
         }
         // Both wait at their first instruction for a number, both pins are low, and there is no other machine.

@@ -8,8 +8,9 @@ pub(crate) const DIRECTION: [u32; 2] = [7, 8];
 pub(crate) const ENABLE: [u32; 2] = [9, 10];
 const HOME: [u32; 2] = [11, 12];
 const FAULT: [u32; 2] = [13, 14];
-/// Pins to which something with a level of its own is wired.
-pub(crate) const WIRED: u32 = 1 << STOP | 0b1111 << HOME[0];
+/// Pins to which something with a level of its own is wired: a resistor at each driver pulls its enable up.
+pub(crate) const WIRED: u32 = ENABLES | 1 << STOP | 0b1111 << HOME[0];
+const ENABLES: u32 = 1 << ENABLE[0] | 1 << ENABLE[1];
 
 /// A pulse of a servo, or a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +47,8 @@ pub struct Wires {
     /// The cycle in which the pulse that lasts began.
     began: [Option<u64>; 2],
     forwards: [bool; 2],
+    /// The levels of all pins in the last cycle.
+    levels: u32,
 }
 
 impl Wires {
@@ -64,7 +67,8 @@ impl Wires {
         let bit = |pin: u32, high: bool| u32::from(high) << pin;
         let [home1, home4] = self.home;
         let [fault1, fault4] = self.fault;
-        bit(STOP, self.stop)
+        ENABLES
+            | bit(STOP, self.stop)
             | bit(HOME[0], home1)
             | bit(HOME[1], home4)
             | bit(FAULT[0], fault1)
@@ -73,6 +77,10 @@ impl Wires {
 
     /// Takes the levels of all pins in a cycle.
     pub(crate) fn drive(&mut self, now: u64, levels: u32) {
+        if levels == self.levels {
+            return;
+        }
+        self.levels = levels;
         let high = |pin: u32| levels >> pin & 1 != 0;
         self.powered = ENABLE.map(|pin| !high(pin));
         for joint in 0..2 {
