@@ -19,7 +19,7 @@ fn a_job_gives_the_pulses_of_the_loop_in_this_process() {
     let settings = bench.settings;
     assert_eq!(bench.identity.board, Board::Rp2350Servo);
     assert_eq!(bench.identity.reset, Reset::Power);
-    let job = commands(&bench.robot);
+    let job = commands(&bench.robot, 0.03);
     bench.power();
     bench.draw(&job);
     let units = desktop(&settings, &job);

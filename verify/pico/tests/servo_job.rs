@@ -13,6 +13,8 @@ use std::rc::Rc;
 
 /// Cycles of a unit of a pulse, half a microsecond.
 const UNIT: f64 = 75.0;
+/// The speed of the job [m/s].
+const FEED: f32 = 0.03;
 /// How far the tool may be from where it is in this process at the same time [m]: less than its step for four units.
 const TOLERANCE: f64 = 1e-4;
 
@@ -28,11 +30,16 @@ fn plant(robot: &Robot) -> HobbyServoPlant {
 fn desktop(robot: &Robot, settings: &Settings) -> Vec<[f64; 2]> {
     let mut plant = plant(robot);
     let mut tools = Vec::new();
-    play(settings, &commands(robot), Request::Home, |controller| {
-        let command = controller.tick(&plant.sense());
-        plant.step(&command, 1e-4);
-        tools.push(plant.tool().into());
-    });
+    play(
+        settings,
+        &commands(robot, FEED),
+        Request::Home,
+        |controller| {
+            let command = controller.tick(&plant.sense());
+            plant.step(&command, 1e-4);
+            tools.push(plant.tool().into());
+        },
+    );
     tools
 }
 
@@ -66,7 +73,7 @@ fn the_servos_draw_a_job_from_the_pulses_at_the_pins() {
         tools: Rc::clone(&tools),
     });
     bench.power();
-    let job = commands(&bench.robot);
+    let job = commands(&bench.robot, FEED);
     bench.draw(&job);
     bench.line.chip().run(1000 * PERIOD).expect("it runs");
 

@@ -46,7 +46,7 @@ fn a_job_gives_the_steps_of_the_loop_in_this_process_tick_by_tick() {
     let start = Request::SetAngles(settings.axes.each_ref().map(|axis| axis.home_angle));
     bench.request(start).expect("accepted");
     bench.line.chip().run(HZ * 3 / 10).expect("it runs");
-    let job = commands(&bench.robot);
+    let job = commands(&bench.robot, 0.1);
     bench.draw(&job);
     let wanted = desktop(&settings, &job, start);
     let mut chip = bench.line.chip();

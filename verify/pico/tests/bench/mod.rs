@@ -143,13 +143,12 @@ fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
     Client::open_with_clock(line.clone(), HostLine::time).expect("it answers")
 }
 
-/// A dwell, a line, a half circle and a line back: no more than the queue holds.
-pub(crate) fn commands(robot: &Robot) -> Vec<Move> {
+/// A dwell, a line, a half circle and a line back with this speed [m/s]: no more than the queue holds.
+pub(crate) fn commands(robot: &Robot, feed: f32) -> Vec<Move> {
     let [x, y] = robot
         .best_point()
         .expect("a reachable point")
         .map(|x| x as f32);
-    let feed = 0.03;
     let kinds = [
         MoveKind::Dwell { duration: 0.2 },
         MoveKind::Line { to: [x, y], feed },
