@@ -42,8 +42,10 @@ images() {
     done
     local pico
     pico=$(scripts/pico.sh image | tail -n 1)
-    cp "$pico" "$folder/fivebar-$version-rp2350_servo.elf"
-    cp "$pico.uf2" "$folder/fivebar-$version-rp2350_servo.uf2"
+    for name in rp2350_servo rp2350_stepper; do
+        cp "$pico/$name" "$folder/fivebar-$version-$name.elf"
+        cp "$pico/$name.uf2" "$folder/fivebar-$version-$name.uf2"
+    done
 }
 
 sbom() {

@@ -13,7 +13,8 @@
 //! | `stm32f405/brushed` | the PWM timer, 10 kHz | timers, converters, bridges | in flash |
 //! | `stm32f405/stepper` | a timer, 10 kHz | the steps made, step/dir drivers | in flash |
 //! | `stm32f405/can` | a timer, 1 kHz | frames of a CAN bus | in flash |
-//! | `rp2350` | SysTick, 10 kHz | pulses of hobby servos by PIO | in QSPI flash |
+//! | `rp2350/servo` | SysTick, 10 kHz | pulses of hobby servos by PIO | in QSPI flash |
+//! | `rp2350/stepper` | SysTick, 10 kHz | the steps made, step/dir drivers by PIO | in QSPI flash |
 //! | `emulated` | the host | frames | none |
 //!
 //! What a host has to know of a board stands where the host reads it: its name in

@@ -7,7 +7,7 @@
 //! **Direction.** Its pin changes only in a tick in which the timer makes no pulse, and pulses follow in the next one. So the
 //! pin is steady for microseconds after a pulse and for tens of them before the next one, whatever the driver asks for.
 
-/// Clocks of a tick: 100 µs at 168 MHz.
+/// Clocks of a tick of such a timer: 100 µs at 168 MHz.
 pub const TICK_CLOCKS: u16 = 16_800;
 /// The most micro-steps of an axis in a tick: 200 000 in a second.
 pub const MOST_STEPS: i32 = 20;
@@ -32,7 +32,7 @@ impl Pulses {
 
     /// So many pulses, [`MOST_STEPS`] at most.
     #[inline]
-    fn of(steps: u32) -> Self {
+    pub fn of(steps: u32) -> Self {
         match u32::from(TICK_CLOCKS).checked_div(steps) {
             None => Self::NONE,
             Some(period) => Self {
@@ -69,16 +69,25 @@ impl StepAxis {
         self.made
     }
 
-    /// Prepares these micro-steps for the next tick, or none if the direction cannot change before.
+    /// The same where what was prepared is made in one tick, and nothing in a tick that finds nothing prepared.
     #[inline]
-    pub fn prepare(&mut self, steps: i32) -> Pulses {
+    pub fn begin_once(&mut self, taken: bool) -> i32 {
+        self.now = if taken { self.next } else { 0 };
+        self.made = self.made.wrapping_add(self.now);
+        self.made
+    }
+
+    /// Prepares these micro-steps for the next tick, or none if the direction cannot change before. Returns how many pulses
+    /// that makes, [`MOST_STEPS`] at most.
+    #[inline]
+    pub fn prepare(&mut self, steps: i32) -> u32 {
         let steps = steps.clamp(-MOST_STEPS, MOST_STEPS);
         let turns = steps != 0 && (steps > 0) != self.forwards;
         self.next = if turns && self.now != 0 { 0 } else { steps };
         if turns && self.now == 0 {
             self.forwards = !self.forwards;
         }
-        Pulses::of(self.next.unsigned_abs())
+        self.next.unsigned_abs()
     }
 
     /// The level of the direction pin from now on.
@@ -144,7 +153,7 @@ mod tests {
             // It turns slowly, and from one tick to the next.
             let time = f64::from(tick);
             let wanted = (time * 0.05).sin() * 200.0 + (time * 2.9).sin() * 15.0;
-            let pulses = axis.prepare(wanted as i32 - position);
+            let pulses = Pulses::of(axis.prepare(wanted as i32 - position));
             assert!(made == 0 || axis.forwards() == direction, "tick {tick}");
             sent = (pulses, axis.forwards());
         }
@@ -158,5 +167,20 @@ mod tests {
         axis.prepare(5);
         assert_eq!(axis.begin(false, 0), 6);
         assert_eq!(axis.begin(true, 1), 16);
+    }
+
+    #[test]
+    fn what_is_made_once_is_counted_in_the_tick_that_makes_it() {
+        let mut axis = StepAxis::default();
+        axis.prepare(3);
+        // A tick too late, and made in the next one; none is made after it.
+        assert_eq!(axis.begin_once(false), 0);
+        assert_eq!(axis.begin_once(true), 3);
+        assert_eq!(axis.prepare(0), 0);
+        assert_eq!(axis.begin_once(true), 3);
+        axis.prepare(5);
+        assert_eq!(axis.begin_once(true), 8);
+        // It turns only behind a tick without pulses.
+        assert_eq!((axis.prepare(-2), axis.forwards()), (0, true));
     }
 }

@@ -37,6 +37,8 @@ pub enum Board {
     EmulatedCan,
     /// An RP2350 that makes the pulses of hobby servos.
     Rp2350Servo,
+    /// An RP2350 that gives stepper drivers their steps.
+    Rp2350Stepper,
 }
 
 /// Why a controller started.

@@ -55,6 +55,9 @@ impl BoardLimits {
         ..Self::STM32F405_STEPPER
     };
 
+    /// The RP2350 with stepper drivers: as many steps in a tick.
+    pub const RP2350_STEPPER: Self = Self::STM32F405_STEPPER;
+
     /// The RP2350 with hobby servos.
     pub const RP2350_SERVO: Self = Self {
         // 2.4 ms of half microseconds in a frame of 50 Hz.

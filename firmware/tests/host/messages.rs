@@ -477,6 +477,7 @@ pub(crate) fn controller_message() -> impl Strategy<Value = ControllerMessage> {
             Board::Stm32f405Stepper,
             Board::Stm32f405Can,
             Board::Rp2350Servo,
+            Board::Rp2350Stepper,
         ]),
         prop::sample::select(vec![
             Reset::Power,

@@ -97,7 +97,7 @@ pub fn open(
         return Err(OpenError::ForOthers {
             controller: motors_of(identity.board),
             robot: machine.motors,
-            instead: format!("write the image `{}` to the board", machine.board),
+            instead: machine.image_to_write(),
         });
     }
     let settings = robot.settings().map_err(RunError::from)?.check()?;
@@ -114,7 +114,8 @@ pub fn open(
         | Board::Stm32f405
         | Board::Stm32f405Stepper
         | Board::Stm32f405Can
-        | Board::Rp2350Servo => {
+        | Board::Rp2350Servo
+        | Board::Rp2350Stepper => {
             let mut drive = Drive::new(&mut client, &|| false);
             match source {
                 ControllerSource::Port { upload: true, .. } => drive.store_settings(&settings)?,

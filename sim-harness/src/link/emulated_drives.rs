@@ -86,7 +86,7 @@ pub fn motors_of(board: Board) -> &'static str {
     match board {
         Board::Desktop => "any motors",
         Board::Emulated | Board::Stm32f405 => "brushed motors",
-        Board::Stm32f405Stepper | Board::EmulatedStepper => "steppers",
+        Board::Stm32f405Stepper | Board::Rp2350Stepper | Board::EmulatedStepper => "steppers",
         Board::Stm32f405Can | Board::EmulatedCan => "drives on a CAN bus",
         Board::Rp2350Servo => "hobby servos",
     }

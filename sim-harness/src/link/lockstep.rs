@@ -104,7 +104,8 @@ impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
             Board::Stm32f405
             | Board::Stm32f405Stepper
             | Board::Stm32f405Can
-            | Board::Rp2350Servo => false,
+            | Board::Rp2350Servo
+            | Board::Rp2350Stepper => false,
             Board::Desktop | Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan => {
                 let tick = HostCommand::Tick(ArmSample::<I::Sample>::default());
                 let reply = client.exchange::<_, I::Command>(tick)?;

@@ -83,19 +83,42 @@ fn pico_pins(text: &str) -> BTreeSet<&str> {
         .collect()
 }
 
-#[test]
-fn the_wiring_of_hobby_servos_names_the_pins_that_their_image_uses_and_no_others() {
-    let source = include_str!("../../../firmware/src/board/rp2350/pins.rs");
-    let used: Vec<String> = source
+/// The pins that a source of the RP2350's images states.
+fn stated_pins(source: &str) -> BTreeSet<String> {
+    source
         .lines()
         .filter_map(|line| line.strip_prefix("pub const ")?.split_once(" = "))
         .flat_map(|(_, value)| value.split(|letter: char| !letter.is_ascii_digit()))
         .filter(|number| !number.is_empty())
         .map(|number| format!("GP{number}"))
+        .collect()
+}
+
+#[test]
+fn the_wiring_of_a_pico_2_names_the_pins_that_its_images_use_and_no_others() {
+    let common = stated_pins(include_str!("../../../firmware/src/board/rp2350/pins.rs"));
+    let steppers = stated_pins(include_str!(
+        "../../../firmware/src/board/rp2350/stepper/pins.rs"
+    ));
+    assert_eq!((common.len(), steppers.len()), (7, 8));
+    assert!(common.is_disjoint(&steppers));
+    let table = include_str!("../../../docs/use/pico_pins.csv");
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect())
         .collect();
-    assert_eq!(used.len(), 7, "{used:?}");
-    let used: BTreeSet<_> = used.iter().map(String::as_str).collect();
-    let drawing = include_str!("../../../docs/use/wiring-servos.svg");
-    assert_eq!(pico_pins(drawing), used);
-    assert_eq!(pico_pins(section("Hobby servos")), used);
+    let all: BTreeSet<_> = common.union(&steppers).cloned().collect();
+    let named: BTreeSet<_> = rows.iter().map(|row| row[0].to_owned()).collect();
+    assert_eq!(named, all);
+    for (drawing, used) in [
+        (include_str!("../../../docs/use/wiring-servos.svg"), &common),
+        (
+            include_str!("../../../docs/use/wiring-pico-steppers.svg"),
+            &all,
+        ),
+    ] {
+        let used: BTreeSet<_> = used.iter().map(String::as_str).collect();
+        assert_eq!(pico_pins(drawing), used);
+    }
 }

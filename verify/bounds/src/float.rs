@@ -17,11 +17,19 @@ pub(crate) fn decode(high: u32, low: u32) -> Instruction {
 }
 
 fn of_coprocessor(high: u32, low: u32) -> Instruction {
-    // Coprocessors 10 and 11 are the FPU. The second half of the space is not ARMv7-M's FPU.
-    if low & 0x0E00 != 0x0A00 || high & 0x1000 != 0 {
+    // Coprocessors 10 and 11 are the FPU.
+    if low & 0x0E00 != 0x0A00 {
         return Instruction::unknown();
     }
     let plain = Instruction::plain(4);
+    // The second half of the space is ARMv8-M's: VSEL, VMAXNM, VMINNM, VRINT, VCVT between registers.
+    if high & 0x1000 != 0 {
+        return if high & 0xFF00 == 0xFE00 {
+            plain.cycles(RESULT + 1)
+        } else {
+            Instruction::unknown()
+        };
+    }
     match high & 0x0300 {
         0x0300 => Instruction::unknown(),
         // Between the FPU and one of the core's registers; VMRS moves the flags.

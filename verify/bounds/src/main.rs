@@ -7,6 +7,7 @@
 //! fivebar-bounds path  <folder of the images> <image> <function>   the longest path's addresses
 //! fivebar-bounds stack <folder of the images> <image> <function>   its deepest chain of calls
 //! fivebar-bounds sections <folder of the images> <image> <function>   its critical sections
+//! fivebar-bounds fits  <folder of the images> <image>   the stack alone, of an image for the RP2350
 //! ```
 
 use std::path::Path;
@@ -23,6 +24,10 @@ use fivebar_bounds::timing::Measure;
 
 /// What people state.
 const STATED: &str = include_str!("../stated.txt");
+/// The same of the RP2350's images.
+const STATED_RP2350: &str = include_str!("../stated_rp2350.txt");
+/// What the functions of the boot ROM may take of the stack [bytes]: its maker does not say it.
+const ROM: u32 = 2048;
 /// The figures as last committed.
 const COMMITTED: &str = include_str!("../figures.txt");
 
@@ -36,8 +41,10 @@ fn main() -> ExitCode {
         ["path", folder, image, function] => path(&Path::new(folder).join(image), function),
         ["stack", folder, image, function] => stack(&Path::new(folder).join(image), function),
         ["sections", folder, image, function] => sections(&Path::new(folder).join(image), function),
+        ["fits", folder, image] => fits(&Path::new(folder).join(image), image),
         _ => Err(
-            "usage: fivebar-bounds check|print <folder>, document, path|stack|sections <folder> <image> <function>"
+            "usage: fivebar-bounds check|print <folder>, document, path|stack|sections <folder> <image> <function>, \
+             fits <folder> <image>"
                 .to_owned(),
         ),
     };
@@ -132,6 +139,30 @@ fn path(file: &Path, function: &str) -> Result<String, String> {
     let line = |(address, cost): &(u32, u64)| format!("{address:#x} {cost}\n");
     let path = program.longest_path(found.address, Measure::CyclesCodeWaits);
     Ok(path.iter().map(line).collect())
+}
+
+/// The deepest stack of an image and its space; an error if that is too small, or not known to suffice. Its times are not judged:
+/// the core that runs it may count other cycles.
+fn fits(file: &Path, name: &str) -> Result<String, String> {
+    let stated = Stated::read(&[STATED, STATED_RP2350].concat())?;
+    let image = image(file)?;
+    let report = report::of_handlers(name, &image, &stated)?;
+    let stack_of = |what: &str| {
+        let row = report.rows.iter().find(|row| row.name.ends_with(what));
+        row.and_then(|row| row.stack).unwrap_or(u32::MAX)
+    };
+    let (used, space) = (stack_of(": all nested"), stack_of(": space"));
+    let line =
+        format!("{name}: {used} bytes of stack at most, and {ROM} for the ROM, of {space}\n");
+    let defects = report.defects.iter();
+    let defects: Vec<String> = defects
+        .filter(|defect| defect.fault.concerns_stack())
+        .map(|defect| format!("{defect}\n"))
+        .collect();
+    if defects.is_empty() && used + ROM <= space {
+        return Ok(line);
+    }
+    Err(format!("{line}{}", defects.concat()))
 }
 
 /// The chain of calls below a function that takes the most stack, with the share of each.

@@ -12,7 +12,10 @@ use crate::longest::Bound;
 /// total <bound> <function> #n   ; why
 /// calls <function> -> <function>, <function>   ; why
 /// ends  <function>   ; why
+/// rom   <function>   ; why
 /// ```
+///
+/// `rom` names a function whose calls through registers go into the boot ROM, whose code is not in the image.
 ///
 /// `ends` names a function that ends the program, such as a handler: its stack matters, its time does not.
 ///
@@ -25,6 +28,7 @@ pub struct Stated {
     loops: Vec<Loop>,
     calls: Vec<Calls>,
     ends: Vec<String>,
+    rom: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
@@ -100,6 +104,7 @@ impl Stated {
                 });
             }
             "ends" => self.ends.push(rest.trim().to_owned()),
+            "rom" => self.rom.push(rest.trim().to_owned()),
             _ => return None,
         }
         Some(())
@@ -126,6 +131,9 @@ impl Stated {
 
     /// The functions that calls through registers in a function can reach, by their addresses.
     pub fn targets(&self, image: &Image, function: &str) -> Option<Vec<u32>> {
+        if self.rom.iter().any(|given| matches(given, function)) {
+            return Some(Vec::new());
+        }
         let calls = self
             .calls
             .iter()

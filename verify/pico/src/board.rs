@@ -1,6 +1,8 @@
 //! The blocks of the chip that the image uses, and the pins of the board.
 
-use crate::pins::{BRAKE, SERVO, STOP, Wires};
+use crate::arm::{self, Arm};
+use crate::flags;
+use crate::pins::{BRAKE, PULSES, STOP, WIRED, Wires};
 use crate::uart::Uart;
 use crate::watchdog::Watchdog;
 use picoem_common::pio::PioBlock;
@@ -20,12 +22,16 @@ const ALL: u32 = 0x1fff_ffff;
 /// Functions of pins.
 const BY_SIO: u32 = 5;
 const BY_PIO: u32 = 6;
-/// The isolation and the pull-up of a pad.
+/// The isolation, the input and the pull-up of a pad.
 const ISOLATED: u32 = 1 << 8;
+const READS: u32 = 1 << 6;
 const PULL_UP: u32 = 1 << 3;
-/// Registers of PIO: which buffers are empty or full, and where the first state machine is.
+/// Registers of PIO: which machines run, which buffers are empty or full, and where the first state machine is.
+const CTRL: u32 = 0;
 const FSTAT: u32 = 4;
 const FIRST_ADDRESS: u32 = 0xd4;
+/// The two machines that wait for numbers.
+const BOTH: u32 = 0b11;
 
 /// Registers of blocks whose behaviour is that they keep what is written, and the bits that they hold after a reset.
 const STORED: [(u32, u32); 5] = [
@@ -37,7 +43,7 @@ const STORED: [(u32, u32); 5] = [
 ];
 
 /// Pins that are modelled.
-const PINS: u32 = 8;
+const PINS: u32 = 15;
 
 /// Bits of the pins that are connected to a block, and of those that a resistor pulls up.
 #[derive(Default)]
@@ -45,6 +51,7 @@ struct Connections {
     to_sio: u32,
     to_pio: u32,
     pulled_up: u32,
+    reads: u32,
 }
 
 pub(crate) struct Blocks {
@@ -60,6 +67,9 @@ pub(crate) struct Blocks {
     output: u32,
     enable: u32,
     pub(crate) wires: Wires,
+    pub(crate) arm: Option<Box<dyn Arm>>,
+    /// Cycles since the arm has advanced.
+    since_arm: u64,
     /// Pins whose rising edge is kept.
     risen: u32,
     /// POWMAN_CHIP_RESET.
@@ -79,6 +89,8 @@ impl Default for Blocks {
             output: 0,
             enable: 0,
             wires: Wires::default(),
+            arm: None,
+            since_arm: 0,
             risen: 0,
             // Power came on.
             chip_reset: 1 << 16,
@@ -90,10 +102,12 @@ impl Blocks {
     /// As after a reset of the chip: what is wired to it stays, and what the watchdog keeps.
     pub(crate) fn reset(&mut self) {
         let wires = std::mem::take(&mut self.wires);
+        let arm = self.arm.take();
         let mut watchdog = std::mem::take(&mut self.watchdog);
         watchdog.reset();
         *self = Self {
             wires,
+            arm,
             watchdog,
             ..Self::default()
         };
@@ -146,7 +160,7 @@ impl Blocks {
                 self.needs(PIO)?;
                 self.pio.read32(offset)
             }
-            (0xd000_0000, 0x04) => self.levels(),
+            (0xd000_0000, 0x04) => self.inputs(),
             (0xd000_0000, 0x10) => self.output,
             (0xd000_0000, 0x30) => self.enable,
             _ => return Err(UNKNOWN),
@@ -248,6 +262,9 @@ impl Blocks {
                 if pad & PULL_UP != 0 {
                     pins.pulled_up |= bit;
                 }
+                if pad & READS != 0 {
+                    pins.reads |= bit;
+                }
             }
         }
         self.pins = pins;
@@ -257,9 +274,13 @@ impl Blocks {
     pub(crate) fn levels(&self) -> u32 {
         let by_pio = self.pins.to_pio & self.pio.pad_oe;
         let by_sio = self.pins.to_sio & self.enable;
-        let wired = u32::from(self.wires.stop) << STOP;
-        let others = self.pins.pulled_up & !(1 << STOP) | wired;
+        let others = self.pins.pulled_up & !WIRED | self.wires.wired();
         self.pio.pad_out & by_pio | self.output & by_sio | others & !(by_pio | by_sio)
+    }
+
+    /// What the chip sees of them.
+    fn inputs(&self) -> u32 {
+        self.levels() & self.pins.reads
     }
 
     /// Presses or releases the emergency stop.
@@ -275,27 +296,39 @@ impl Blocks {
         self.levels() >> BRAKE & 1 != 0
     }
 
-    /// Lets the state machines run for some cycles, from `now` on.
-    pub(crate) fn run_pio(&mut self, now: u64, cycles: u64) {
-        let servos = |levels: u32| SERVO.map(|pin| levels >> pin & 1 != 0);
+    /// Lets the state machines run for some cycles, from `now` on, and the arm.
+    pub(crate) fn advance(&mut self, now: u64, cycles: u64) {
+        self.run_pio(now, cycles);
+        self.since_arm += cycles;
+        while self.since_arm >= arm::PERIOD {
+            self.since_arm -= arm::PERIOD;
+            let released = self.brake_is_released();
+            if let Some(arm) = &mut self.arm {
+                arm.advance(&mut self.wires, released);
+            }
+        }
+    }
+
+    fn run_pio(&mut self, now: u64, cycles: u64) {
+        let mut levels = self.levels();
+        self.wires.drive(now, levels);
         if self.resets & PIO != 0 || !self.pio_runs {
-            let levels = servos(self.levels());
-            self.wires.drive(now, levels);
             return;
         }
         for cycle in 0..cycles {
-            let levels = self.levels();
-            self.pio.step_with_pins(u64::from(levels));
-            let levels = servos(self.levels());
+            flags::step(&mut self.pio, levels & self.pins.reads);
+            levels = self.levels();
             self.wires.drive(now + cycle + 1, levels);
         }
-        // Both wait at their first instruction for a number, and both pins are low.
+        // Both wait at their first instruction for a number, both pins are low, and there is no other machine.
         let empty = self.pio.read32(FSTAT) >> 24;
         let waits = |pio: &mut PioBlock, machine: u32| {
             empty >> machine & 1 != 0 && pio.read32(FIRST_ADDRESS + 0x18 * machine) == 0
         };
-        let low = servos(self.levels()) == [false; 2];
-        let waiting = (0..2).all(|machine| waits(&mut self.pio, machine));
+        let levels = self.levels();
+        let low = PULSES.iter().all(|pin| levels >> pin & 1 == 0);
+        let alone = self.pio.read32(CTRL) & 0xf & !BOTH == 0;
+        let waiting = alone && (0..2).all(|machine| waits(&mut self.pio, machine));
         self.pio_runs = !(low && waiting);
     }
 }

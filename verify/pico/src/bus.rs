@@ -2,6 +2,7 @@
 //! register that is not modelled ends the run.
 
 use crate::board::Blocks;
+use crate::flash::{FlashEvent, Share};
 use crate::image::{FLASH, FLASH_SIZE};
 use rp2350_emu::core::CoreBus;
 use rp2350_emu::threaded::CoreAtomics;
@@ -39,6 +40,8 @@ impl std::error::Error for Violation {}
 pub(crate) struct Bus {
     pub(crate) rom: Vec<u8>,
     pub(crate) flash: Vec<u8>,
+    /// What has changed it.
+    pub(crate) flash_events: Vec<FlashEvent>,
     pub(crate) sram: Vec<u8>,
     pub(crate) blocks: Blocks,
     pub(crate) violation: Option<Violation>,
@@ -56,6 +59,7 @@ impl Bus {
         Self {
             rom: crate::rom::bytes(),
             flash,
+            flash_events: Vec::new(),
             sram: vec![0xa5; SRAM_SIZE],
             blocks: Blocks::default(),
             violation: None,
@@ -133,22 +137,29 @@ impl Bus {
 
     /// Erases blocks of the flash.
     pub(crate) fn erase(&mut self, from: u32, count: u32) {
-        let (from, end) = (from as usize, (from + count) as usize);
-        if end > FLASH_SIZE || !from.is_multiple_of(4096) || !count.is_multiple_of(4096) {
+        let (from, count) = (from as usize, count as usize);
+        let whole = from.is_multiple_of(4096) && count.is_multiple_of(4096);
+        if from + count > FLASH_SIZE || !whole {
             return self.violate("no whole sectors are erased", from as u32);
         }
-        self.flash[from..end].fill(0xff);
+        self.change(FlashEvent::Erase { from, count });
     }
 
-    /// Programs pages of the flash: bits become 0.
+    /// Programs pages of the flash.
     pub(crate) fn program(&mut self, at: u32, data: u32, count: u32) {
         if !at.is_multiple_of(256) || !count.is_multiple_of(256) {
             return self.violate("no whole pages are programmed", at);
         }
-        for index in 0..count {
-            let byte = self.read(data + index, 1) as u8;
-            self.flash[(at + index) as usize] &= byte;
-        }
+        let bytes = (0..count)
+            .map(|index| self.read(data + index, 1) as u8)
+            .collect();
+        let at = at as usize;
+        self.change(FlashEvent::Program { at, bytes });
+    }
+
+    fn change(&mut self, event: FlashEvent) {
+        event.happen(&mut self.flash, Share::Whole);
+        self.flash_events.push(event);
     }
 }
 

@@ -1,10 +1,12 @@
 //! The chip with its program, and its time.
 
+use crate::arm::Arm;
 use crate::bus::{Bus, Violation};
+use crate::flash::FlashEvent;
 use crate::image::Image;
 use crate::pins::Wires;
 use crate::rom::{self, Function};
-use crate::{acquire, fpu};
+use crate::{acquire, fpu, masks};
 use rp2350_emu::core::CortexM33;
 use rp2350_emu::threaded::CoreAtomics;
 use std::sync::Arc;
@@ -79,9 +81,21 @@ impl Chip {
     pub fn power_cycle(&mut self) {
         let flash = std::mem::take(&mut self.bus.flash);
         let stop = self.bus.blocks.wires.stop;
+        let arm = self.bus.blocks.arm.take();
         self.bus = Bus::new(flash, Arc::clone(&self.bus.atomics));
         self.bus.blocks.wires.stop = stop;
+        self.bus.blocks.arm = arm;
         self.boot();
+    }
+
+    /// The flash with the program and the settings.
+    pub fn flash(&mut self) -> &mut [u8] {
+        &mut self.bus.flash
+    }
+
+    /// Takes what has changed the flash.
+    pub fn flash_events(&mut self) -> Vec<FlashEvent> {
+        std::mem::take(&mut self.bus.flash_events)
     }
 
     /// Cycles since power came on.
@@ -92,6 +106,11 @@ impl Chip {
     /// What is wired to its pins.
     pub fn wires(&mut self) -> &mut Wires {
         &mut self.bus.blocks.wires
+    }
+
+    /// Wires an arm to its pins.
+    pub fn connect(&mut self, arm: impl Arm + 'static) {
+        self.bus.blocks.arm = Some(Box::new(arm));
     }
 
     /// Presses or releases the emergency stop.
@@ -181,22 +200,23 @@ impl Chip {
         }
     }
 
-    /// Executes an instruction that the emulated core does not know; else nothing.
+    /// Executes an instruction that the emulated core does not know, or does otherwise than a chip; else nothing.
     fn step_unknown(&mut self) -> bool {
         let (core, bus) = (&mut self.core, &mut self.bus);
         let Some(instruction) = bus.instruction(core.regs.pc()) else {
             return false;
         };
-        // All have two halves.
-        instruction[0] >> 13 == 7
-            && (fpu::step(core, bus, instruction) || acquire::step(core, bus, instruction))
+        let is_wide = instruction[0] >> 13 == 7;
+        masks::step(core, instruction[0])
+            || is_wide
+                && (fpu::step(core, bus, instruction) || acquire::step(core, bus, instruction))
     }
 
     /// Lets everything but the core advance.
     fn advance(&mut self, cycles: u64) {
         let now = self.now();
         let blocks = &mut self.bus.blocks;
-        blocks.run_pio(now, cycles);
+        blocks.advance(now, cycles);
         self.at += cycles;
         if blocks.uart.advance(cycles) {
             self.bus.atomics.assert_irq(0, UART0);

@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{Bench, PERIOD, commands, desktop};
+use bench::{Bench, PERIOD, commands, desktop, of};
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::{Board, Reset};
 use fivebar_firmware::safety::{Fault, State};
@@ -13,19 +13,14 @@ const UNIT: u64 = 75;
 /// The unevenness of a pulse that is allowed: 0.1 µs.
 const JITTER: i64 = 15;
 
-/// The pulses of a joint.
-fn of(pulses: &[Pulse], joint: usize) -> Vec<Pulse> {
-    let of_joint = |pulse: &&Pulse| pulse.joint == joint;
-    pulses.iter().filter(of_joint).copied().collect()
-}
-
 #[test]
 fn a_job_gives_the_pulses_of_the_loop_in_this_process() {
     let mut bench = Bench::new();
     let settings = bench.settings;
     assert_eq!(bench.identity.board, Board::Rp2350Servo);
     assert_eq!(bench.identity.reset, Reset::Power);
-    let job = commands(&bench.robot);
+    let job = commands(&bench.robot, 0.03);
+    bench.power();
     bench.draw(&job);
     let units = desktop(&settings, &job);
     let pulses = settings.servo_pulses().expect("servos");

@@ -1,7 +1,5 @@
 //! The file for drag and drop, read by other code than that which writes it.
 
-#![allow(dead_code, reason = "the bench is that of the tests of the image")]
-
 mod bench;
 
 use fivebar_pico::Image;
@@ -13,10 +11,13 @@ fn the_file_for_drag_and_drop_has_the_bytes_of_the_image() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
     let target = folder.join("image.uf2");
     let mut write = Command::new(script);
-    let status = write.arg(bench::path()).arg(&target).status();
+    let status = write
+        .arg(bench::path("rp2350_stepper"))
+        .arg(&target)
+        .status();
     assert!(status.expect("python3 runs").success());
     let file = std::fs::read(&target).expect("the file");
-    let image = Image::read(bench::path()).expect("an image");
+    let image = Image::read(&bench::path("rp2350_stepper")).expect("an image");
     let mut flash = vec![0xff; image.flash().len()];
     let blocks = file.len() / 512;
     assert_eq!(file.len() % 512, 0);

@@ -1,18 +1,30 @@
 //! How the program ends, and why the chip started: a note in the watchdog's first scratch register, which only a loss of power
 //! and the reset pin clear.
 
-use super::pulses;
-use super::watchdog;
+use super::stepper::pins::ENABLE;
+use super::{resets, watchdog};
 use crate::board::end_cause::EndCause;
 use crate::protocol::Reset;
 use rp235x_pac::{POWMAN, PSM, WATCHDOG};
 
-/// Ends the pulses, from any context and in any state, leaves the note and resets the chip.
+/// RESET in the addresses that set bits.
+pub const RESET_SET: u32 = 0x4002_2000;
+/// The levels of the core's outputs, in the address that sets bits.
+pub const OUTPUTS_HIGH: u32 = 0xd000_0018;
+/// The enables of stepper drivers, high without power. No output of the image for servos.
+pub const ENABLES: u32 = 1 << ENABLE[0] | 1 << ENABLE[1];
+
+/// Ends the pulses and takes the drivers' power until the next reset of the chip, by two writes, leaves the note and resets the
+/// chip. From any context and in any state. PIO0 in reset drives no pin; the resistors keep them low.
 pub fn end(cause: EndCause) -> ! {
-    pulses::end();
-    // SAFETY: nothing else runs on. The brake's and the tool's pins float after the reset.
+    // SAFETY: the writes only switch off, and nothing runs on that takes them back. The brake's and the tool's pins float after
+    // the reset.
     #[allow(unsafe_code)]
-    let (watchdog, psm) = unsafe { (&*WATCHDOG::ptr(), &*PSM::ptr()) };
+    let (watchdog, psm) = unsafe {
+        (OUTPUTS_HIGH as *mut u32).write_volatile(ENABLES);
+        (RESET_SET as *mut u32).write_volatile(resets::PIO0);
+        (&*WATCHDOG::ptr(), &*PSM::ptr())
+    };
     // SAFETY: any 32 bits are a note.
     #[allow(unsafe_code)]
     watchdog

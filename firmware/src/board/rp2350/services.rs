@@ -33,6 +33,8 @@ pub fn open() -> Option<Storage> {
 pub struct BoardServices {
     /// None if the flash has no place for it.
     pub storage: Option<Storage>,
+    /// What the image can do.
+    pub limits: BoardLimits,
     /// The tool's output.
     pub tool: ToolTimer,
     /// Refreshed when all tasks have advanced.
@@ -54,7 +56,7 @@ impl Board<BlindStepDrives> for BoardServices {
     }
 
     fn limits(&self) -> Option<BoardLimits> {
-        Some(BoardLimits::RP2350_SERVO)
+        Some(self.limits)
     }
 
     fn tick(

@@ -52,7 +52,8 @@ impl DriveKind {
         match self {
             Self::Brushed => None,
             Self::Stepper => Some(
-                "`fivebar sim`, `serve` and `pil` run jobs on them, and `drive` with the image `stm32f405_stepper` \
+                "`fivebar sim`, `serve` and `pil` run jobs on them, and `drive` with the image `stm32f405_stepper` or \
+                 `rp2350_stepper` \
                  (docs/use/wiring.md). `torque_share` is their margin, and `sim` shows the `lost_steps`",
             ),
             Self::CanTorque => Some(

@@ -176,10 +176,10 @@ fn refuse_other(board: Board, machine: &Machine) -> Result<(), Failure> {
         return Ok(());
     }
     Err(refused(format_args!(
-        "the controller is for {} and the robot has {}; write the image `{}` to the board",
+        "the controller is for {} and the robot has {}; {}",
         motors_of(board),
         machine.motors,
-        machine.board
+        machine.image_to_write()
     )))
 }
 

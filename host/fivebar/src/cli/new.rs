@@ -3,10 +3,10 @@
 use super::failure::{Failure, refused};
 use super::questions::{ARM, Question, about_drives, about_hanging, about_motors};
 use super::say::{hint, leave_output_to, say, warn};
-use fivebar_files::robot::{BuiltIn, Draft, DraftError, Motors, Robot};
+use fivebar_files::robot::{BuiltIn, Draft, DraftError, Motors};
 use fivebar_report::output::{STANDARD_OUTPUT, write_new};
 use fivebar_report::text::no_demo_scale;
-use fivebar_sim::machine::Machine;
+use fivebar_sim::machine::{BoardImage, Machine};
 use fivebar_sim::simulation::find_demo_scale;
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
@@ -56,6 +56,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         interview(&mut draft, &mut io::stdin().lock())?;
     }
     let robot = draft.check().map_err(refused)?;
+    let images = match draft.motors {
+        Motors::Ideal => &[],
+        _ => Machine::of(robot.drive_kind()).images,
+    };
+    let image = match images {
+        [first, _, ..] if !args.defaults => Some(choose(images, first, &mut io::stdin().lock())?),
+        _ => images.first(),
+    };
     let command = format!("fivebar sim --robot {}", in_shell(&file.to_string()));
     let next_step = match find_demo_scale(&robot) {
         Ok(1.0) => format!("Try it: {command}"),
@@ -71,16 +79,39 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
     };
     write_new(&args.file, draft.text()).map_err(refused)?;
-    let image = image_of(&draft.motors, &robot);
+    let image = image.map_or_else(String::new, |image| {
+        let name = image.name;
+        format!(" for the image {name} (docs/use/wiring.md has its boards)")
+    });
     say(format_args!("Wrote {file}{image}. {next_step}"))
 }
 
-/// The image of a board for these motors, and where it stands how that is wired.
-fn image_of(motors: &Motors, robot: &Robot) -> String {
-    let image = Machine::of(robot.drive_kind()).board;
-    match motors {
-        Motors::Ideal => String::new(),
-        _ => format!(" for the image {image} (docs/use/wiring.md has its boards)"),
+/// Asks for the board where several have an image for these motors. The file is the same for all of them.
+fn choose(
+    images: &'static [BoardImage],
+    first: &'static BoardImage,
+    input: &mut impl BufRead,
+) -> Result<&'static BoardImage, Failure> {
+    let chips: Vec<_> = images.iter().map(|image| image.chip).collect();
+    loop {
+        hint(format_args!(
+            "Board: {} [{}]: ",
+            chips.join(" or "),
+            first.chip
+        ));
+        let mut line = String::new();
+        input.read_line(&mut line).map_err(refused)?;
+        let answer = line.trim();
+        if answer.is_empty() {
+            return Ok(first);
+        }
+        match images.iter().find(|image| image.chip == answer) {
+            Some(image) => return Ok(image),
+            None => warn(format_args!(
+                "  Not valid: {answer}; answer {}",
+                chips.join(" or ")
+            )),
+        }
     }
 }
 

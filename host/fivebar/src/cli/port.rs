@@ -57,6 +57,7 @@ fn board(board: Board) -> &'static str {
         Board::Stm32f405Stepper => "an STM32F405 for steppers",
         Board::Stm32f405Can => "an STM32F405 for drives on a CAN bus",
         Board::Rp2350Servo => "an RP2350 for hobby servos",
+        Board::Rp2350Stepper => "an RP2350 for steppers",
     }
 }
 

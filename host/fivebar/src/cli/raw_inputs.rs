@@ -52,7 +52,7 @@ fn sensed(board: Board, words: &SensedWords, [peak1, peak4]: [f32; 2]) -> String
         both,
     } = *words;
     match board {
-        Board::Stm32f405Stepper | Board::EmulatedStepper => {
+        Board::Stm32f405Stepper | Board::Rp2350Stepper | Board::EmulatedStepper => {
             format!("micro-steps {:6} {:6}", word1 as i16, word4 as i16)
         }
         Board::Rp2350Servo => {
@@ -106,6 +106,7 @@ mod tests {
         for (board, wanted) in [
             (Board::Stm32f405, "currents 8192 61440 codes bus 513 codes"),
             (Board::Stm32f405Stepper, "micro-steps 8192 -4096"),
+            (Board::Rp2350Stepper, "micro-steps 8192 -4096"),
             (Board::Rp2350Servo, "pulse units 8192 -4096"),
             (
                 Board::Stm32f405Can,

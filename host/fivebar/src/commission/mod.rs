@@ -97,10 +97,10 @@ impl Commissioning {
         let (client, identity) = Client::open(line)?;
         if !machine.fits(identity.board) {
             return Err(StepError::Other(format!(
-                "the controller is for {} and the robot has {}: write the image `{}` to the board",
+                "the controller is for {} and the robot has {}: {}",
                 motors_of(identity.board),
                 machine.motors,
-                machine.board
+                machine.image_to_write()
             )));
         }
         let mut bench = Bench::new(client, operator, drawn, robot, options.points.clone())?;

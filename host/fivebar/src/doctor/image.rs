@@ -14,11 +14,19 @@ const TICKS: usize = 200;
 
 /// Whether an image exists at the place where scripts/firmware.sh builds it.
 pub(super) fn state(name: &str) -> State {
-    let path = Emulator::built_image(name);
+    state_at(&Emulator::built_image(name), "scripts/firmware.sh")
+}
+
+/// The same of a Pico 2, where scripts/pico.sh builds it.
+pub(super) fn state_of_pico(name: &str) -> State {
+    state_at(&Emulator::built_pico_image(name), "scripts/pico.sh image")
+}
+
+fn state_at(path: &Path, builder: &str) -> State {
     match path.canonicalize() {
         Ok(found) => State::Found(found.display().to_string()),
         Err(_) => State::Missing(format!(
-            "scripts/firmware.sh builds it; looked for {}",
+            "{builder} builds it; looked for {}",
             path.display()
         )),
     }

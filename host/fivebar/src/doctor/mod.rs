@@ -138,7 +138,7 @@ fn of_boards() -> [Check; 6] {
 }
 
 /// The firmware for each kind of drives, emulated and for the microcontroller.
-fn of_images() -> [Check; 7] {
+fn of_images() -> [Check; 8] {
     [
         Check {
             what: "image qemu",
@@ -180,7 +180,13 @@ fn of_images() -> [Check; 7] {
             what: "image rp2350_servo",
             purpose: "the same of a Pico 2 for hobby servos",
             needed_for: &[Task::Flash],
-            state: image::state("rp2350_servo"),
+            state: image::state_of_pico("rp2350_servo"),
+        },
+        Check {
+            what: "image rp2350_stepper",
+            purpose: "the same of a Pico 2 for steppers",
+            needed_for: &[Task::Flash],
+            state: image::state_of_pico("rp2350_stepper"),
         },
     ]
 }

@@ -301,6 +301,21 @@ fn the_image_of_a_board_is_named_for_each_kind_of_motor() {
     }
 }
 
+#[test]
+fn where_two_boards_have_an_image_the_board_is_asked_for() {
+    let defaults = [""; 9];
+    let answers = [&defaults[..], &["stepper"], &defaults, &["due", "pico2"]].concat();
+    let folder = tempfile::tempdir().unwrap();
+    let output = new(folder.path(), &[], &(answers.join("\n") + "\n"));
+    let wrote = String::from_utf8(output.stdout.clone()).unwrap();
+    assert!(wrote.contains(" for the image rp2350_stepper ("), "{wrote}");
+    let said = message(&output);
+    assert!(
+        said.contains("Not valid: due; answer stm32f405 or pico2"),
+        "{said}"
+    );
+}
+
 /// The figures of the petal on the arm of these answers.
 fn petal_of(answers: &[&str]) -> (Robot, serde_json::Value) {
     let folder = tempfile::tempdir().unwrap();

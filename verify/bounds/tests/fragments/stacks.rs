@@ -123,3 +123,18 @@ fn only_a_handler_that_ends_the_program_begins_a_new_stack() {
     assert_eq!(alone(&code, "").2, [Fault::UnknownStack]);
     assert_eq!(alone(&code, "ends f ; resets the processor").2, []);
 }
+
+#[test]
+fn calls_into_the_rom_take_no_stack_of_the_image_where_that_is_stated_alone() {
+    let code = [
+        0xb510, // push {r4, lr}
+        0xfe30, 0x0a20, // vselgt.f32 s0, s0, s1
+        0x4780, // blx r0
+        0xbd10, // pop {r4, pc}
+    ];
+    assert_eq!(alone(&code, "rom f ; the flash"), (4, 8, vec![]));
+    assert_eq!(alone(&code, "rom g ; another").2, [Fault::IndirectCall]);
+    // 0xff: no instruction of the FPU.
+    let code = [0xff30, 0x0a20, 0x4770];
+    assert_eq!(alone(&code, "").2, [Fault::UnknownInstruction]);
+}

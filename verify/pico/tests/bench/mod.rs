@@ -1,4 +1,6 @@
-//! The image on the simulated Pico 2, and the loop in this process to compare with.
+//! The images on the simulated Pico 2, and the loop in this process to compare with.
+
+#![allow(dead_code, reason = "each file of tests uses a part of it")]
 
 use fivebar_files::robot::Robot;
 use fivebar_firmware::controller::{ArmController, Request};
@@ -7,7 +9,7 @@ use fivebar_firmware::planner::Planner;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Identity, Reply};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{ArmSample, Move, MoveKind, Settings, Status};
-use fivebar_pico::{Chip, HZ, HostLine, Image};
+use fivebar_pico::{Chip, HZ, HostLine, Image, Pulse};
 use fivebar_sim::link::Client;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,11 +21,11 @@ pub(crate) const PERIOD: u64 = HZ / 10_000;
 /// More ticks than the job takes.
 const JOB_TICKS: u64 = 30_000;
 
-/// The path of the image, which is built from the sources beside this folder, or of the one that PICO_IMAGE names.
-pub(crate) fn path() -> &'static Path {
+/// The folder of the images, which are built from the sources beside this folder, or the one that PICO_IMAGES names.
+fn folder() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
-        if let Some(path) = std::env::var_os("PICO_IMAGE") {
+        if let Some(path) = std::env::var_os("PICO_IMAGES") {
             return path.into();
         }
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/pico.sh");
@@ -38,6 +40,11 @@ pub(crate) fn path() -> &'static Path {
     })
 }
 
+/// The path of an image.
+pub(crate) fn path(image: &str) -> PathBuf {
+    folder().join(image)
+}
+
 /// A host connected to a chip, whose settings are in use.
 pub(crate) struct Bench {
     pub(crate) client: Client<HostLine>,
@@ -48,14 +55,25 @@ pub(crate) struct Bench {
 }
 
 impl Bench {
+    /// The image for hobby servos.
     pub(crate) fn new() -> Self {
-        let image = Image::read(path()).expect("an image");
+        Self::of("rp2350_servo", "classroom_servo")
+    }
+
+    /// An image with the settings of a robot.
+    pub(crate) fn of(image: &str, robot: &str) -> Self {
+        let robot = Robot::load(robot).expect("a built-in robot");
+        let settings = robot.settings().expect("settings");
+        Self::with(image, robot, settings)
+    }
+
+    /// An image with these settings.
+    pub(crate) fn with(image: &str, robot: Robot, settings: Settings) -> Self {
+        let image = Image::read(&path(image)).expect("an image");
         let mut chip = Chip::new(&image);
         chip.run(HZ / 100).expect("it starts");
         let line = HostLine::new(chip);
         let (mut client, identity) = open(&line);
-        let robot = Robot::load("classroom_servo").expect("a built-in robot");
-        let settings = robot.settings().expect("settings");
         let applied = client.write_settings(&settings).expect("a line");
         applied.expect("the settings are applied");
         Self {
@@ -65,6 +83,14 @@ impl Bench {
             robot,
             settings,
         }
+    }
+
+    /// Power comes on with this flash, and the host begins a session.
+    pub(crate) fn start_with(&mut self, flash: &[u8]) -> Identity {
+        self.line.chip().flash().copy_from_slice(flash);
+        self.line.chip().power_cycle();
+        self.line.chip().run(HZ / 100).expect("it starts");
+        self.connect_again()
     }
 
     /// The host begins a new session, as after a reset.
@@ -98,9 +124,8 @@ impl Bench {
         self.line.chip().run(HZ / 1000).expect("it runs");
     }
 
-    /// Hands over a job, which begins with a dwell, and waits for its end.
+    /// Hands over a job, which begins with a dwell, and waits for its end. The drives have power.
     pub(crate) fn draw(&mut self, job: &[Move]) {
-        self.power();
         for next in job {
             let reply = self.client.call(HostCommand::Move(*next));
             assert!(matches!(reply, Ok(Reply::Taken { .. })), "{reply:?}");
@@ -118,13 +143,12 @@ fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
     Client::open_with_clock(line.clone(), HostLine::time).expect("it answers")
 }
 
-/// A dwell, a line, a half circle and a line back: no more than the queue holds.
-pub(crate) fn commands(robot: &Robot) -> Vec<Move> {
+/// A dwell, a line, a half circle and a line back with this speed [m/s]: no more than the queue holds.
+pub(crate) fn commands(robot: &Robot, feed: f32) -> Vec<Move> {
     let [x, y] = robot
         .best_point()
         .expect("a reachable point")
         .map(|x| x as f32);
-    let feed = 0.03;
     let kinds = [
         MoveKind::Dwell { duration: 0.2 },
         MoveKind::Line { to: [x, y], feed },
@@ -144,35 +168,59 @@ pub(crate) fn commands(robot: &Robot) -> Vec<Move> {
 
 /// The units of both pulses after each tick of the same job in this process, by the controller of the desktop's loop.
 pub(crate) fn desktop(settings: &Settings, job: &[Move]) -> Vec<[i32; 2]> {
-    let settings = settings.check().expect("valid settings");
-    let mut controller = ArmController::<StepDrives>::new(&settings);
-    let mut planner = Planner::new(&settings);
     let mut made = [0_i32; 2];
     let mut units = Vec::new();
-    let mut tick = |controller: &mut ArmController<StepDrives>| {
-        controller.feed_host_timeout();
-        let drives = StepSample {
-            steps: made,
-            ..StepSample::default()
-        };
-        let command = controller.tick(&ArmSample {
-            counts: made,
-            drives,
-            ..ArmSample::default()
-        });
+    play(settings, job, Request::Home, |controller| {
+        let command = controller.tick(&sample(made));
         for (made, steps) in made.iter_mut().zip(command.drives.steps) {
             *made += steps;
         }
         units.push(made);
+    });
+    units
+}
+
+/// What a controller of steps senses that has made these.
+pub(crate) fn sample(made: [i32; 2]) -> ArmSample<StepSample> {
+    let drives = StepSample {
+        steps: made,
+        ..StepSample::default()
+    };
+    ArmSample {
+        counts: made,
+        drives,
+        ..ArmSample::default()
+    }
+}
+
+/// Plays a job in this process: `tick` is each tick of the controller.
+pub(crate) fn play(
+    settings: &Settings,
+    job: &[Move],
+    homing: Request,
+    mut tick: impl FnMut(&mut ArmController<StepDrives>),
+) {
+    let settings = settings.check().expect("valid settings");
+    let mut controller = ArmController::<StepDrives>::new(&settings);
+    let mut planner = Planner::new(&settings);
+    let mut tick = |controller: &mut ArmController<StepDrives>| {
+        controller.feed_host_timeout();
+        tick(controller);
     };
     tick(&mut controller);
-    controller.request(Request::Home).expect("accepted");
-    while controller.state() != State::Stopped || !controller.status().homed {
+    controller.request(homing).expect("accepted");
+    while !controller.status().homed {
         tick(&mut controller);
     }
-    controller.request(Request::Arm).expect("armed");
-    for _ in 0..1000 {
+    // Homing arms an arm that only power keeps where it is.
+    for _ in 0..3000 {
         tick(&mut controller);
+    }
+    if controller.state() != State::Armed {
+        controller.request(Request::Arm).expect("armed");
+        for _ in 0..1000 {
+            tick(&mut controller);
+        }
     }
     for next in job {
         planner.push(&mut controller, next).expect("a valid move");
@@ -182,5 +230,10 @@ pub(crate) fn desktop(settings: &Settings, job: &[Move]) -> Vec<[i32; 2]> {
         tick(&mut controller);
     }
     assert_eq!(controller.state(), State::Armed, "the job has ended");
-    units
+}
+
+/// The pulses of a joint.
+pub(crate) fn of(pulses: &[Pulse], joint: usize) -> Vec<Pulse> {
+    let of_joint = |pulse: &&Pulse| pulse.joint == joint;
+    pulses.iter().filter(of_joint).copied().collect()
 }

@@ -3,7 +3,7 @@
 use super::pins::{Direction1, Direction4, Enable1, Enable4, OutputPins};
 use super::timers::StepTimers;
 use crate::ArmCommand;
-use crate::drivers::steps::StepAxis;
+use crate::drivers::steps::{Pulses, StepAxis};
 use crate::drives::StepCommand;
 use stm32f4xx_hal::pac::{RCC, TIM1, TIM4, TIM8};
 
@@ -52,7 +52,8 @@ impl Outputs {
         let pulses = [
             axis1.prepare(if enable1 { steps1 } else { 0 }),
             axis4.prepare(if enable4 { steps4 } else { 0 }),
-        ];
+        ]
+        .map(Pulses::of);
         self.direction1.write(axis1.forwards());
         self.direction4.write(axis4.forwards());
         self.enable1.write(!enable1);

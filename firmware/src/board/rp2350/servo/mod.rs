@@ -1,10 +1,17 @@
 //! The servos of both joints: from units of their pulses to pulses in frames.
 
+pub mod pulses;
+
 use super::clocks::CORE;
-use super::pulses::Pulses;
-use crate::ArmCommand;
-use crate::drives::StepCommand;
-use crate::settings::{CheckedSettings, ServoPulse};
+use super::image::Parts;
+use super::pins::{Pins, Stop};
+use crate::drivers::{Inputs, Level};
+use crate::drives::{StepCommand, StepSample};
+use crate::protocol::Board;
+use crate::settings::{BoardLimits, CheckedSettings, ServoPulse};
+use crate::{ArmCommand, ArmSample};
+use pulses::Pulses;
+use rp235x_pac::{PIO0, RESETS};
 
 /// Clocks of a microsecond.
 const MICROSECOND: u32 = CORE / 1_000_000;
@@ -13,8 +20,13 @@ const UNIT: i32 = MICROSECOND.cast_signed() / 2;
 /// Ticks in a second.
 const TICK_RATE: f32 = 1e4;
 
+/// A servo knows its angle and tells no fault; only the emergency stop is read.
+type Switches =
+    Inputs<Level<false>, Level<false>, Level<false>, Level<false>, Stop, Level<true>, Level<true>>;
+
 /// Both servos.
 pub struct Servos {
+    switches: Switches,
     pulses: Pulses,
     axes: [Axis; 2],
 }
@@ -32,18 +44,30 @@ struct Axis {
     until_pulse: u32,
 }
 
-impl Servos {
-    /// Without pulses.
-    pub fn new(pulses: Pulses) -> Self {
+impl Parts for Servos {
+    const BOARD: Board = Board::Rp2350Servo;
+    const LIMITS: BoardLimits = BoardLimits::RP2350_SERVO;
+
+    fn new(pio: PIO0, pins: &Pins<'_>, resets: &RESETS) -> Self {
+        let switches = Inputs {
+            home1: Level,
+            home4: Level,
+            index1: Level,
+            index4: Level,
+            emergency_stop: pins.input(),
+            fault1: Level,
+            fault4: Level,
+        };
         Self {
-            pulses,
+            switches,
+            pulses: Pulses::new(pio, resets),
             axes: Default::default(),
         }
     }
 
     /// Takes the pulses from settings. The arm has no power, and a new controller counts from 0. Without pulses of servos in the
     /// settings, as on a board that has none yet, none is made.
-    pub fn use_settings(&mut self, settings: &CheckedSettings) {
+    fn use_settings(&mut self, settings: &CheckedSettings) {
         self.axes = settings
             .servo_pulses()
             .map_or_else(Default::default, |pulses| {
@@ -55,16 +79,21 @@ impl Servos {
             });
     }
 
-    /// The units made: the counts of the joints.
-    #[inline]
-    pub fn units(&self) -> [i32; 2] {
+    /// The units made are the counts of the joints, too.
+    #[inline(always)]
+    fn sample(&mut self, missed: u32, stopped: bool) -> ArmSample<StepSample> {
         let [axis1, axis4] = &self.axes;
-        [axis1.units, axis4.units]
+        let units = [axis1.units, axis4.units];
+        let drives = StepSample {
+            steps: units,
+            ..StepSample::default()
+        };
+        self.switches.sample(units, drives, missed, stopped)
     }
 
-    /// Applies an actuator command: its units are in the pulses that begin after this tick.
-    #[inline]
-    pub fn apply(&mut self, command: &ArmCommand<StepCommand>) {
+    /// The units are in the pulses that begin after this tick.
+    #[inline(always)]
+    fn apply(&mut self, command: &ArmCommand<StepCommand>) {
         let (steps, enable) = (command.drives.steps, command.enable);
         for (machine, (axis, (steps, powered))) in self
             .axes

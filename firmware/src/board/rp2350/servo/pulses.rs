@@ -17,8 +17,8 @@
 //! stop's pin waits 2 clocks in the synchroniser, 1 at most for instruction 4, and 1 each for instructions 4 and 6; with 1 for its
 //! place between two clocks the pulse is over 6 clocks after the press, 40 ns. A pulse that begins does so in less.
 
-use super::pins::{SERVO, STOP};
-use super::resets;
+use crate::board::rp2350::pins::{PULSES, STOP};
+use crate::board::rp2350::resets;
 use rp235x_pac::{PIO0, RESETS};
 
 const PROGRAM: [u16; 7] = [0x80a0, 0xa027, 0x00c0, 0xe001, 0x00c6, 0x0044, 0xe000];
@@ -28,8 +28,6 @@ const OUTPUT: u16 = 0xe081;
 const BOTH: u8 = 0b11;
 /// Clocks of a pulse besides two for each count.
 const FIXED_CLOCKS: u32 = 3;
-/// RESET in the addresses that set bits.
-pub const RESET_SET: u32 = 0x4002_2000;
 
 /// Both state machines.
 pub struct Pulses {
@@ -46,7 +44,7 @@ impl Pulses {
             pio.instr_mem(at)
                 .write(|w| unsafe { w.bits(u32::from(instruction)) });
         }
-        for (machine, pin) in SERVO.into_iter().enumerate() {
+        for (machine, pin) in PULSES.into_iter().enumerate() {
             let machine = pio.sm(machine);
             // SAFETY: the numbers of pins and instructions have 5 bits, and the instructions are ones.
             #[allow(unsafe_code)]
@@ -82,16 +80,5 @@ impl Pulses {
             #[allow(unsafe_code)]
             self.pio.txf(machine).write(|w| unsafe { w.bits(count) });
         }
-    }
-}
-
-/// Ends the pulses until the next reset of the chip, by one write, from any context and in any state. PIO0 in reset drives
-/// no pin; the resistors keep them low.
-#[allow(unsafe_code)]
-#[inline(always)]
-pub fn end() {
-    // SAFETY: the write only switches off, and nothing takes the reset back.
-    unsafe {
-        (RESET_SET as *mut u32).write_volatile(resets::PIO0);
     }
 }

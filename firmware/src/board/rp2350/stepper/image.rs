@@ -1,0 +1,12 @@
+//! The production image for steppers: an RP2350 that gives the drivers of two motors their steps.
+#![no_std]
+#![no_main]
+#![allow(
+    unsafe_code,
+    missing_docs,
+    reason = "the framework's attribute writes code that needs it"
+)]
+
+use defmt_rtt as _;
+
+fivebar_firmware::rp2350_image!(fivebar_firmware::board::rp2350::stepper::Stepper);
