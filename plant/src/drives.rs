@@ -3,7 +3,6 @@
 use crate::chain::PerJoint;
 use crate::drive::{Drive, DriveAction, DriveState};
 use crate::dynamics::{CARRIER, DRIVEN, Loads, Model, SHORTEST_STEP, State};
-use crate::integration::Rest;
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
 use crate::parameters::Parameters;
@@ -41,11 +40,11 @@ pub struct Drives {
     /// Whether it touches the paper.
     pub(crate) pen_is_down: bool,
     /// Its deflection [m].
-    deflection: Vector2<f64>,
-    state: [DriveState; 2],
-    energy: Energy,
+    pub(crate) deflection: Vector2<f64>,
+    pub(crate) state: [DriveState; 2],
+    pub(crate) energy: Energy,
     /// The work of those motors on their rotors [J].
-    motor_work: f64,
+    pub(crate) motor_work: f64,
     /// The duties of the latest tick.
     duty: [Option<f64>; 2],
     /// Torques of motors that are no brushed ones, at the joint [N·m], without their ripple.
@@ -136,27 +135,6 @@ impl Drives {
             self.deflection = Vector2::zeros();
         }
         self.duty = duty;
-    }
-
-    /// What is integrated in a step besides the links.
-    #[inline(always)]
-    pub(crate) fn rest(&self, state: &State) -> Rest {
-        Rest {
-            current: state.current,
-            drives: self.state,
-            energy: self.energy,
-            motor_work: self.motor_work,
-            deflection: self.deflection,
-        }
-    }
-
-    /// Takes what a step has made of it.
-    #[inline(always)]
-    pub(crate) fn end(&mut self, rest: &Rest) {
-        self.state = rest.drives;
-        self.energy = rest.energy;
-        self.motor_work = rest.motor_work;
-        self.deflection = rest.deflection;
     }
 
     /// What a drive does in its state, with its joint at θ [rad] and ω [rad/s] and this current [A].

@@ -99,7 +99,7 @@ pub(crate) fn free_accelerations<T: Real>(
     chain: &Chain<T>,
     gravity: Vector2<T>,
     torque: [T; 2],
-    push: Option<Push<T>>,
+    push: Option<&Push<T>>,
 ) -> [PlanarVector<T>; 4] {
     let mut free = [PlanarVector {
         linear: gravity,
@@ -108,7 +108,7 @@ pub(crate) fn free_accelerations<T: Real>(
     for (link, torque) in DRIVEN.into_iter().zip(torque) {
         free[link].angular += torque / chain.bodies[link].inertia;
     }
-    if let Some(Push { arm, force, on }) = push {
+    if let Some(&Push { arm, force, on }) = push {
         let pushed = free[CARRIER] + chain.bodies[CARRIER].acceleration_by(arm, force);
         free[CARRIER] = free[CARRIER].with(pushed, on);
     }
@@ -149,7 +149,7 @@ impl Model {
             force: tool_force,
             on: f64::ALL,
         });
-        free_accelerations(&self.chain, self.gravity, torque, push)
+        free_accelerations(&self.chain, self.gravity, torque, push.as_ref())
     }
 
     /// The tool from its link's centre of mass, in the frame of the base [m].

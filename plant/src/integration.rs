@@ -158,6 +158,29 @@ pub(crate) fn step_beside<const N: usize>(mut arms: [Step<'_>; N]) {
     }
 }
 
+impl Drives {
+    /// What is integrated in a step besides the links.
+    #[inline(always)]
+    fn rest(&self, state: &State) -> Rest {
+        Rest {
+            current: state.current,
+            drives: self.state,
+            energy: self.energy,
+            motor_work: self.motor_work,
+            deflection: self.deflection,
+        }
+    }
+
+    /// Takes what a step has made of it.
+    #[inline(always)]
+    fn end(&mut self, rest: &Rest) {
+        self.state = rest.drives;
+        self.energy = rest.energy;
+        self.motor_work = rest.motor_work;
+        self.deflection = rest.deflection;
+    }
+}
+
 impl Step<'_> {
     fn begin(&mut self) {
         self.drives
@@ -262,7 +285,7 @@ fn rates<const N: usize>(arms: &[Step<'_>; N], models: &Models<N>, whole: &Whole
         force,
         on: pushed,
     });
-    let free = free_accelerations(chain, models.gravity, torque, push);
+    let free = free_accelerations(chain, models.gravity, torque, push.as_ref());
     (rates.v, _) = chain.accelerations(&chain.arms(&whole.q), &whole.v, &free);
     rates
 }

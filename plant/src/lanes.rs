@@ -4,6 +4,7 @@
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign, Scalar};
 use num_traits::{One, Zero};
 use std::array::from_fn;
+use std::f64::consts::FRAC_2_PI;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A bit for each lane.
@@ -118,7 +119,7 @@ impl<const N: usize> Real for Lanes<N> {
 
 /// 1.5 · 2⁵²: a number that is added to it and taken away again is rounded to an integer, whose last bits its own then are.
 const TO_INTEGER: f64 = 1.5 / f64::EPSILON;
-const QUARTERS_PER_RADIAN: f64 = 6.366_197_723_675_814e-1;
+const QUARTERS_PER_RADIAN: f64 = FRAC_2_PI;
 /// π/2 in two parts, the first with 33 bits.
 const QUARTER: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
 
@@ -176,7 +177,7 @@ fn cosine(x: f64, rest: f64) -> f64 {
         -1.388_888_888_887_411e-3,
         2.480_158_728_947_673e-5,
         -2.755_731_435_139_066_3e-7,
-        2.087_572_321_298_174_8e-9,
+        2.087_572_321_298_175e-9,
         -1.135_964_755_778_819_5e-11,
     ];
     let z = x * x;

@@ -242,7 +242,7 @@ fn arms_side_by_side_have_the_bits_of_each_by_itself() {
             .map(|i| [0.05 * share(i), -0.03 * share(i)])
             .collect();
         let pushed = |i: usize| {
-            if i % 2 == 0 {
+            if i.is_multiple_of(2) {
                 [0.0; 2]
             } else {
                 [0.1 * share(i), 0.2]
