@@ -109,7 +109,7 @@ def inverse():
         return ARM.inverse([0.04, 0.2])
 
     difference = abs(theirs()[0][0] - mine.theta[0])
-    return ("angles for a place of the tip", "roboticstoolbox-python", theirs, ours, difference, 1e-6)
+    return ("angles of one leg, ours of both, for a place", "roboticstoolbox-python", theirs, ours, difference, 1e-6)
 
 
 def fastest():
