@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Checks our output with other programs, from PyPI: Pinocchio and MuJoCo must give exported arms the accelerations of our
 # equations, pydot must read the graph, MuJoCo must move the exported arm as our plant does, the reader of the MCAP project must find every sample in a run's log, and the travel between strokes must
-# not be longer than vpype's.
+# not be longer than vpype's. Pinocchio, toppra and roboticstoolbox must give the answers of the Python package.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
@@ -39,3 +39,8 @@ fivebar export urdf usp_2dof --out "$out/arm.urdf"
 "$venv/bin/python" tests/peers/dynamics.py "$built/debug/fivebar" "$out/dynamics"
 cargo build --quiet "${with_features[@]}" --example travel
 "$venv/bin/python" tests/peers/travel.py "$built/debug/examples/travel" "$venv/bin/vpype" "$out/travel"
+# The package is built for it, so it has an environment of its own, as scripts/python.sh makes one.
+rivals=$built/rivals-venv
+python3 -m venv "$rivals"
+"$rivals/bin/pip" install --quiet --disable-pip-version-check ./python pin toppra roboticstoolbox-python
+"$rivals/bin/python" tests/peers/rivals.py

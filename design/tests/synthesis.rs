@@ -3,7 +3,8 @@
 use fivebar_design::Noise;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm, ToolState, analyse};
 use fivebar_design::synthesis::{
-    Area, Design, Measure, Objective, Proof, Specification, Synthesis, Tolerance, prove, synthesise,
+    Area, Design, Measure, Objective, Proof, Specification, Study, Synthesis, Tolerance, prove,
+    synthesise,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -17,6 +18,7 @@ fn leg(area: Area, dexterity: f64) -> Specification {
         area,
         dexterity,
         sine: 0.0,
+        cranks: None,
         tolerance: Tolerance::default(),
         objective: Objective::Size,
         front: 1,

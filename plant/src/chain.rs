@@ -13,38 +13,39 @@
 //! This shares nothing with the controller's model: it has no partial velocities and no
 //! closed-form solution of the loop.
 
+use crate::lanes::{Lanes, Mask, Real};
 use crate::planar::{Body, PlanarVector, perp, rotation, times, transpose_times};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, Scalar, Vector2};
 use std::array::from_fn;
 
 /// Number of joints: A, B, C, D, E.
 pub const JOINTS: usize = 5;
 
 /// One vector for each joint, A to E.
-pub type PerJoint = [Vector2<f64>; JOINTS];
+pub type PerJoint<T = f64> = [Vector2<T>; JOINTS];
 
 /// The bodies, and the ground pivots at the ends of the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chain {
+pub struct Chain<T: Scalar = f64> {
     /// Links 1, 2, 3, 4: from A to E along the chain.
-    pub bodies: [Body; 4],
+    pub bodies: [Body<T>; 4],
     /// The ground pivots A and E [m].
-    pub pivots: [Vector2<f64>; 2],
+    pub pivots: [Vector2<T>; 2],
     /// Whether each joint is closed by a constraint. In the others only contact forces act.
     pub constrained: [bool; JOINTS],
 }
 
 /// The vectors from the bodies' centres of mass to their joints, in the frame of the base [m].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LeverArms {
-    pub(crate) near: [Vector2<f64>; 4],
-    pub(crate) far: [Vector2<f64>; 4],
+pub(crate) struct LeverArms<T: Scalar = f64> {
+    pub(crate) near: [Vector2<T>; 4],
+    pub(crate) far: [Vector2<T>; 4],
 }
 
-impl LeverArms {
+impl<T: Real> LeverArms<T> {
     /// Adds the accelerations that the joint forces give to the bodies.
     #[inline(always)]
-    fn apply(&self, chain: &Chain, forces: &PerJoint, motion: &mut [PlanarVector; 4]) {
+    fn apply(&self, chain: &Chain<T>, forces: &PerJoint<T>, motion: &mut [PlanarVector<T>; 4]) {
         for i in 0..4 {
             let body = &chain.bodies[i];
             motion[i] = motion[i]
@@ -56,8 +57,8 @@ impl LeverArms {
     /// J v: the relative velocity of the two bodies at each joint; with accelerations, their
     /// relative acceleration without the centripetal terms.
     #[inline(always)]
-    pub(crate) fn joint_motion(&self, motion: &[PlanarVector; 4]) -> PerJoint {
-        let at = |i: usize, r: Vector2<f64>| motion[i].linear + perp(r) * motion[i].angular;
+    pub(crate) fn joint_motion(&self, motion: &[PlanarVector<T>; 4]) -> PerJoint<T> {
+        let at = |i: usize, r: Vector2<T>| motion[i].linear + perp(r) * motion[i].angular;
         [
             at(0, self.near[0]),
             at(1, self.near[1]) - at(0, self.far[0]),
@@ -69,23 +70,54 @@ impl LeverArms {
 }
 
 impl Chain {
-    /// The lever arms at these coordinates.
-    #[inline(always)]
-    pub(crate) fn arms(&self, q: &[PlanarVector; 4]) -> LeverArms {
-        let rotations = q.map(|q| rotation(q.angular));
-        LeverArms {
-            near: from_fn(|i| times(&rotations[i], self.bodies[i].near)),
-            far: from_fn(|i| times(&rotations[i], self.bodies[i].far)),
-        }
-    }
-
     /// The gap gₖ of each joint [m].
     pub fn gaps(&self, q: &[PlanarVector; 4]) -> PerJoint {
         self.gaps_with(&self.arms(q), q)
     }
+}
+
+impl<const N: usize> Chain<Lanes<N>> {
+    /// Several chains with the same constraints, side by side.
+    #[inline(always)]
+    pub(crate) fn beside(chains: [&Chain; N]) -> Self {
+        Self {
+            bodies: from_fn(|i| Body {
+                mass: Lanes(chains.map(|chain| chain.bodies[i].mass)),
+                inertia: Lanes(chains.map(|chain| chain.bodies[i].inertia)),
+                near: vectors(chains.map(|chain| chain.bodies[i].near)),
+                far: vectors(chains.map(|chain| chain.bodies[i].far)),
+            }),
+            pivots: from_fn(|end| vectors(chains.map(|chain| chain.pivots[end]))),
+            constrained: chains[0].constrained,
+        }
+    }
+}
+
+#[inline(always)]
+fn vectors<const N: usize>(vectors: [Vector2<f64>; N]) -> Vector2<Lanes<N>> {
+    Vector2::new(
+        Lanes(vectors.map(|vector| vector.x)),
+        Lanes(vectors.map(|vector| vector.y)),
+    )
+}
+
+impl<T: Real> Chain<T> {
+    /// The lever arms at these coordinates.
+    #[inline(always)]
+    pub(crate) fn arms(&self, q: &[PlanarVector<T>; 4]) -> LeverArms<T> {
+        // Loops: the functions of `core` that map arrays are not compiled into this one where it is of many lanes.
+        let zero = Vector2::new(T::zero(), T::zero());
+        let (mut near, mut far) = ([zero; 4], [zero; 4]);
+        for i in 0..4 {
+            let rotation = rotation(q[i].angular);
+            near[i] = times(&rotation, self.bodies[i].near);
+            far[i] = times(&rotation, self.bodies[i].far);
+        }
+        LeverArms { near, far }
+    }
 
     #[inline(always)]
-    pub(crate) fn gaps_with(&self, arms: &LeverArms, q: &[PlanarVector; 4]) -> PerJoint {
+    pub(crate) fn gaps_with(&self, arms: &LeverArms<T>, q: &[PlanarVector<T>; 4]) -> PerJoint<T> {
         let near = |i: usize| q[i].linear + arms.near[i];
         let far = |i: usize| q[i].linear + arms.far[i];
         [
@@ -99,7 +131,7 @@ impl Chain {
 
     /// The matrix J M⁻¹Jᵀ at these lever arms.
     #[inline(always)]
-    pub(crate) fn schur(&self, arms: &LeverArms) -> Tridiagonal {
+    pub(crate) fn schur(&self, arms: &LeverArms<T>) -> Tridiagonal<T> {
         let body = &self.bodies;
         let (near, far) = (&arms.near, &arms.far);
         let mut matrix = Tridiagonal {
@@ -119,7 +151,7 @@ impl Chain {
 
     /// Sets the entries of the joints without constraint to zero.
     #[inline(always)]
-    fn constrained_only(&self, mut each: PerJoint) -> PerJoint {
+    fn constrained_only(&self, mut each: PerJoint<T>) -> PerJoint<T> {
         for (each, constrained) in each.iter_mut().zip(self.constrained) {
             if !constrained {
                 *each = Vector2::zeros();
@@ -133,10 +165,10 @@ impl Chain {
     #[inline(always)]
     pub(crate) fn accelerations(
         &self,
-        arms: &LeverArms,
-        v: &[PlanarVector; 4],
-        free: &[PlanarVector; 4],
-    ) -> ([PlanarVector; 4], PerJoint) {
+        arms: &LeverArms<T>,
+        v: &[PlanarVector<T>; 4],
+        free: &[PlanarVector<T>; 4],
+    ) -> ([PlanarVector<T>; 4], PerJoint<T>) {
         let mut relative = arms.joint_motion(free);
         for i in 0..4 {
             // A point at r from the centre also accelerates by −ω² r.
@@ -153,20 +185,40 @@ impl Chain {
 
     /// Projects positions and velocities onto the constraints, by the least change in the
     /// metric of the bodies' inertia.
-    pub(crate) fn close_joints(&self, q: &mut [PlanarVector; 4], v: &mut [PlanarVector; 4]) {
+    #[inline(always)]
+    pub(crate) fn close_joints(&self, q: &mut [PlanarVector<T>; 4], v: &mut [PlanarVector<T>; 4]) {
         // Newton's method. After an integration step the gaps are so small that one pass is
         // enough.
+        let mut open = T::ALL;
         for _ in 0..MAX_PASSES {
             let arms = self.arms(q);
             let gaps = self.constrained_only(self.gaps_with(&arms, q));
             let matrix = self.schur(&arms).factored();
-            if gaps.iter().all(|gap| gap.amax() <= CLOSED) {
+            let small =
+                |closed, gap: &Vector2<T>| closed & gap.x.within(CLOSED) & gap.y.within(CLOSED);
+            let closed = gaps.iter().fold(open, small);
+            if closed != 0 {
                 let relative = self.constrained_only(arms.joint_motion(v));
-                arms.apply(self, &negated(matrix.solve(&relative)), v);
+                let mut moved = *v;
+                arms.apply(self, &negated(matrix.solve(&relative)), &mut moved);
+                replace(v, &moved, closed);
+            }
+            open &= !closed;
+            if open == 0 {
                 return;
             }
-            arms.apply(self, &negated(matrix.solve(&gaps)), q);
+            let mut moved = *q;
+            arms.apply(self, &negated(matrix.solve(&gaps)), &mut moved);
+            replace(q, &moved, open);
         }
+    }
+}
+
+/// Takes the lanes that are in the mask.
+#[inline(always)]
+fn replace<T: Real>(own: &mut [PlanarVector<T>; 4], other: &[PlanarVector<T>; 4], mask: Mask) {
+    for (own, other) in own.iter_mut().zip(other) {
+        *own = own.with(*other, mask);
     }
 }
 
@@ -177,20 +229,20 @@ const MAX_PASSES: usize = 20;
 
 /// A symmetric block-tridiagonal matrix.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tridiagonal {
-    diagonal: [Matrix2<f64>; JOINTS],
+pub(crate) struct Tridiagonal<T: Scalar> {
+    diagonal: [Matrix2<T>; JOINTS],
     /// Between joints k and k + 1; the lower blocks are their transposes.
-    upper: [Matrix2<f64>; JOINTS - 1],
+    upper: [Matrix2<T>; JOINTS - 1],
 }
 
 /// The matrix after block elimination: D′ₖ = Dₖ − Uₖ₋₁ᵀ D′ₖ₋₁⁻¹ Uₖ₋₁.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Factored {
-    inverse: [Matrix2<f64>; JOINTS],
-    upper: [Matrix2<f64>; JOINTS - 1],
+pub(crate) struct Factored<T: Scalar> {
+    inverse: [Matrix2<T>; JOINTS],
+    upper: [Matrix2<T>; JOINTS - 1],
 }
 
-impl Tridiagonal {
+impl<T: Real> Tridiagonal<T> {
     /// Decouples joint k from the others: with a right-hand side of zero its force is zero.
     fn decouple(&mut self, k: usize) {
         self.diagonal[k] = Matrix2::identity();
@@ -202,7 +254,7 @@ impl Tridiagonal {
     }
 
     #[inline(always)]
-    pub(crate) fn factored(&self) -> Factored {
+    pub(crate) fn factored(&self) -> Factored<T> {
         let mut inverse = [Matrix2::zeros(); JOINTS];
         inverse[0] = inverted(self.diagonal[0]);
         for k in 1..JOINTS {
@@ -219,9 +271,9 @@ impl Tridiagonal {
     }
 }
 
-impl Factored {
+impl<T: Real> Factored<T> {
     #[inline(always)]
-    pub(crate) fn solve(&self, right: &PerJoint) -> PerJoint {
+    pub(crate) fn solve(&self, right: &PerJoint<T>) -> PerJoint<T> {
         let mut x = *right;
         for k in 1..JOINTS {
             x[k] -= transpose_times(&self.upper[k - 1], times(&self.inverse[k - 1], x[k - 1]));
@@ -236,7 +288,7 @@ impl Factored {
 
 /// The matrix whose columns are those of m, mapped.
 #[inline(always)]
-fn by_columns(m: &Matrix2<f64>, mapped: impl Fn(Vector2<f64>) -> Vector2<f64>) -> Matrix2<f64> {
+fn by_columns<T: Real>(m: &Matrix2<T>, mapped: impl Fn(Vector2<T>) -> Vector2<T>) -> Matrix2<T> {
     let first = mapped(Vector2::new(m[(0, 0)], m[(1, 0)]));
     let second = mapped(Vector2::new(m[(0, 1)], m[(1, 1)]));
     Matrix2::new(first.x, second.x, first.y, second.y)
@@ -244,7 +296,7 @@ fn by_columns(m: &Matrix2<f64>, mapped: impl Fn(Vector2<f64>) -> Vector2<f64>) -
 
 /// The vectors in the opposite direction.
 #[inline(always)]
-fn negated(mut each: PerJoint) -> PerJoint {
+fn negated<T: Real>(mut each: PerJoint<T>) -> PerJoint<T> {
     for vector in &mut each {
         *vector = Vector2::new(-vector.x, -vector.y);
     }
@@ -256,8 +308,8 @@ fn negated(mut each: PerJoint) -> PerJoint {
 /// With all links in one line the last block is singular: the forces along the line are
 /// undetermined. A determinant kept above its rounding error gives finite ones.
 #[inline(always)]
-fn inverted(m: Matrix2<f64>) -> Matrix2<f64> {
+fn inverted<T: Real>(m: Matrix2<T>) -> Matrix2<T> {
     let (a, b, c, d) = (m[(0, 0)], m[(0, 1)], m[(1, 0)], m[(1, 1)]);
-    let per_determinant = 1.0 / (a * d - b * c).max(f64::EPSILON * a * d);
+    let per_determinant = T::one() / (a * d - b * c).max(T::each(f64::EPSILON) * a * d);
     Matrix2::new(d, -b, -c, a) * per_determinant
 }

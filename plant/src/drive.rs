@@ -43,6 +43,15 @@ pub struct DriveState {
     pub bristles: f64,
 }
 
+impl DriveState {
+    /// At rest at 0.
+    pub(crate) const ZERO: Self = Self {
+        angle: 0.0,
+        speed: 0.0,
+        bristles: 0.0,
+    };
+}
+
 /// What a drive does at one state.
 pub(crate) struct DriveAction {
     /// The torque at the joint, friction included [N·m].
@@ -91,7 +100,7 @@ impl Drive {
 
     /// What it does with the joint at θ and θ̇, the current i [A] and a motor's torque τx without its
     /// ripple [N·m].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn action(
         &self,
         motor: &Motor,

@@ -1,10 +1,11 @@
 //! The state of the arm with its motors, and its integration.
 
 use crate::chain::{Chain, PerJoint};
+use crate::lanes::{Mask, Real};
 use crate::motor::Motor;
 use crate::planar::{Body, PlanarVector, perp, rotation, times};
 use fivebar_kinematics::five_bar::Joint;
-use nalgebra::Vector2;
+use nalgebra::{Scalar, Vector2};
 
 /// The chain with motors, gravity and tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,6 +86,35 @@ impl State {
     }
 }
 
+/// A force on the tool, at its place from the centre of mass of link 2, of the arms that are on.
+pub(crate) struct Push<T: Scalar> {
+    pub(crate) arm: Vector2<T>,
+    pub(crate) force: Vector2<T>,
+    pub(crate) on: Mask,
+}
+
+/// The accelerations that the applied forces alone would give.
+#[inline(always)]
+pub(crate) fn free_accelerations<T: Real>(
+    chain: &Chain<T>,
+    gravity: Vector2<T>,
+    torque: [T; 2],
+    push: Option<&Push<T>>,
+) -> [PlanarVector<T>; 4] {
+    let mut free = [PlanarVector {
+        linear: gravity,
+        angular: T::zero(),
+    }; 4];
+    for (link, torque) in DRIVEN.into_iter().zip(torque) {
+        free[link].angular += torque / chain.bodies[link].inertia;
+    }
+    if let Some(&Push { arm, force, on }) = push {
+        let pushed = free[CARRIER] + chain.bodies[CARRIER].acceleration_by(arm, force);
+        free[CARRIER] = free[CARRIER].with(pushed, on);
+    }
+    free
+}
+
 impl Model {
     /// Torque of each drive at its joint [N·m], friction included.
     pub fn drive_torque(&self, state: &State) -> [f64; 2] {
@@ -114,19 +144,12 @@ impl Model {
         torque: [f64; 2],
         tool_force: Vector2<f64>,
     ) -> [PlanarVector; 4] {
-        let mut free = [PlanarVector {
-            linear: self.gravity,
-            angular: 0.0,
-        }; 4];
-        for (link, torque) in DRIVEN.into_iter().zip(torque) {
-            free[link].angular += torque / self.chain.bodies[link].inertia;
-        }
-        if tool_force != Vector2::zeros() {
-            let arm = self.tool_arm(state);
-            free[CARRIER] =
-                free[CARRIER] + self.chain.bodies[CARRIER].acceleration_by(arm, tool_force);
-        }
-        free
+        let push = (tool_force != Vector2::zeros()).then(|| Push {
+            arm: self.tool_arm(state),
+            force: tool_force,
+            on: f64::ALL,
+        });
+        free_accelerations(&self.chain, self.gravity, torque, push.as_ref())
     }
 
     /// The tool from its link's centre of mass, in the frame of the base [m].

@@ -41,7 +41,7 @@ impl Motor {
     }
 
     /// Friction torque at the joint [N·m] at its speed `omega` [rad/s].
-    #[inline]
+    #[inline(always)]
     pub fn friction(&self, omega: f64) -> f64 {
         let x = omega / SIGN_WIDTH;
         -self.viscous_friction * omega - self.coulomb_friction * x / (1.0 + x * x).sqrt()

@@ -11,6 +11,7 @@ use crate::dynamics::{DRIVEN, Loads, Model, State};
 use crate::encoder::{EncoderSide, TrueEncoder};
 use crate::fault::PlantFault;
 use crate::index::Index;
+use crate::integration::{Step, step_beside};
 use crate::latency::Delay;
 use crate::mismatch::Mismatch;
 use crate::motor::Motor;
@@ -305,6 +306,39 @@ impl Plant {
 
     /// Advances by `period` [s], by the outputs of the call before.
     pub(crate) fn advance(&mut self, command: &ActuatorCommand, period: f64) {
+        let (loads, duty) = self.load(command, period);
+        if let Some(wear) = &mut self.wear {
+            wear.step(&self.model, &mut self.state, &loads, period);
+        } else if let Some(step) = self.drives_step(loads, duty, period) {
+            step_beside([step]);
+        } else {
+            let steps = (period / self.model.longest_step()).ceil().max(1.0);
+            for _ in 0..steps as usize {
+                self.model.step(&mut self.state, &loads, period / steps);
+            }
+        }
+        self.end(duty);
+    }
+
+    /// The step by which an arm whose drives are not ideal advances by `period` [s]; [`Plant::end`] comes after it.
+    pub(crate) fn begin(&mut self, command: &ActuatorCommand, period: f64) -> Option<Step<'_>> {
+        let (loads, duty) = self.load(command, period);
+        self.drives_step(loads, duty, period)
+    }
+
+    fn drives_step(&mut self, loads: Loads, duty: [Option<f64>; 2], time: f64) -> Option<Step<'_>> {
+        Some(Step {
+            drives: self.drives.as_mut()?,
+            model: &self.model,
+            state: &mut self.state,
+            loads,
+            duty,
+            time,
+        })
+    }
+
+    /// The loads and the duties of the next `period` [s].
+    fn load(&mut self, command: &ActuatorCommand, period: f64) -> (Loads, [Option<f64>; 2]) {
         let command = match &self.wiring {
             None => *command,
             Some((wiring, _)) => wiring.driven(command),
@@ -319,17 +353,14 @@ impl Plant {
             tool_force: self.tool_force + self.catching_force(),
         };
         self.time += period;
-        if let Some(wear) = &mut self.wear {
-            wear.step(&self.model, &mut self.state, &loads, period);
-        } else if let Some(drives) = &mut self.drives {
+        if let Some(drives) = &mut self.drives {
             drives.pen_is_down = self.tool_output.level(applied.tool) > 0.0;
-            drives.step(&self.model, &mut self.state, &loads, duty, period);
-        } else {
-            let steps = (period / self.model.longest_step()).ceil().max(1.0);
-            for _ in 0..steps as usize {
-                self.model.step(&mut self.state, &loads, period / steps);
-            }
         }
+        (loads, duty)
+    }
+
+    /// What follows a step by these duties.
+    pub(crate) fn end(&mut self, duty: [Option<f64>; 2]) {
         self.limit_currents(duty);
         self.record_angles();
     }

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// Greatest internal step [s]. At 30 rad/s a link then turns by 0.03 rad in a step.
 pub const GREATEST_STEP: f64 = 1e-3;
 /// Greatest turn of a link in an internal step [rad]; a step with a greater one is halved.
-const GREATEST_TURN: f64 = 0.1;
+pub(crate) const GREATEST_TURN: f64 = 0.1;
 /// A step shorter than twice this is not halved [s].
 const LEAST_STEP: f64 = 1e-5;
 
@@ -104,10 +104,10 @@ pub struct TooFast;
 /// ```
 #[derive(Clone, Debug)]
 pub struct TorquePlant {
-    arm: Plant,
+    pub(crate) arm: Plant,
     /// Greatest error of an angle in an internal step [rad], estimated by its halves; none for steps of
     /// [`GREATEST_STEP`] without an estimate.
-    tolerance: Option<f64>,
+    pub(crate) tolerance: Option<f64>,
 }
 
 impl TorquePlant {
@@ -201,11 +201,21 @@ impl TorquePlant {
     /// # Errors
     /// The motion is not finite or too fast. The arm is then as it was.
     pub fn step(&mut self, torque: [f64; 2], time: f64) -> Result<(), TooFast> {
-        let before = self.state();
+        self.set_torque(torque);
+        self.step_on(time)
+    }
+
+    /// Sets the torques on the rotors, as they are at the joints [N·m].
+    pub(crate) fn set_torque(&mut self, torque: [f64; 2]) {
         if let Some(drives) = &mut self.arm.drives {
             drives.motor_torque = torque;
         }
-        let steps = (time / GREATEST_STEP).ceil().max(1.0);
+    }
+
+    /// [`TorquePlant::step`] with the torques that are set.
+    pub(crate) fn step_on(&mut self, time: f64) -> Result<(), TooFast> {
+        let before = self.state();
+        let steps = internal_steps(time);
         let done = (0..steps as u64).try_for_each(|_| self.advance(time / steps));
         if done.is_err() {
             self.set_state(&before);
@@ -214,12 +224,11 @@ impl TorquePlant {
     }
 
     /// Advances by one internal step, or by its halves where a link turns too far in it or its error is too great.
-    fn advance(&mut self, time: f64) -> Result<(), TooFast> {
+    pub(crate) fn advance(&mut self, time: f64) -> Result<(), TooFast> {
         let before = self.state();
         let half = 0.5 * time;
         self.arm.advance(&ActuatorCommand::default(), time);
-        // NaN is no turn that is small enough.
-        if self.is_finite() && self.turns_within(GREATEST_TURN, &before.q) {
+        if self.has_turned_within(GREATEST_TURN, &before.q) {
             let Some(tolerance) = self.tolerance.filter(|_| half >= LEAST_STEP) else {
                 return Ok(());
             };
@@ -229,7 +238,7 @@ impl TorquePlant {
                 self.arm.advance(&ActuatorCommand::default(), half);
             }
             // The error of both halves is a fifteenth of the difference, as the method is of fourth order.
-            if self.is_finite() && self.turns_within(15.0 * tolerance, &whole) {
+            if self.has_turned_within(15.0 * tolerance, &whole) {
                 return Ok(());
             }
         }
@@ -240,18 +249,17 @@ impl TorquePlant {
         }
     }
 
-    /// Whether no link is farther than `most` [rad] from these positions.
-    fn turns_within(&self, most: f64, from: &[PlanarVector; 4]) -> bool {
-        let mut links = self.arm.state().q.iter().zip(from);
+    /// Whether its motion is finite, and no link farther than `most` [rad] from these positions.
+    pub(crate) fn has_turned_within(&self, most: f64, from: &[PlanarVector; 4]) -> bool {
+        let State { q, v, .. } = self.arm.state();
+        let mut links = q.iter().zip(from);
+        let mut numbers = q
+            .iter()
+            .chain(v)
+            .flat_map(|link| [link.linear.x, link.linear.y, link.angular]);
+        // NaN is no turn that is small enough.
         links.all(|(now, from)| (now.angular - from.angular).abs() <= most)
-    }
-
-    fn is_finite(&self) -> bool {
-        let tool = self.arm.tool();
-        let velocities = Joint::ALL.map(|joint| self.velocity(joint));
-        tool.iter()
-            .chain(&velocities)
-            .all(|number| number.is_finite())
+            && numbers.all(f64::is_finite)
     }
 
     /// Lets this force [N] act on the tool from now on.
@@ -278,4 +286,9 @@ impl TorquePlant {
     pub fn time(&self) -> f64 {
         self.arm.time()
     }
+}
+
+/// The internal steps of a step of `time` [s].
+pub(crate) fn internal_steps(time: f64) -> f64 {
+    (time / GREATEST_STEP).ceil().max(1.0)
 }

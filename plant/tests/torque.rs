@@ -206,3 +206,78 @@ fn a_tolerance_bounds_the_error_and_a_smaller_one_bounds_it_more() {
     );
     assert!(coarse < 1e-7 && fine < 1e-9, "{coarse:e} {fine:e}");
 }
+
+/// Arms with unlike motions, lengths, friction, belts and one of them with a tolerance; the fast ones need shorter steps.
+fn unlike_arms() -> Vec<TorquePlant> {
+    let parameters = Parameters::from_settings(&Settings::BENCHTOP, 24.0).unwrap();
+    let arm = |i: usize| {
+        let share = 0.1 * i as f64;
+        let differs = Mismatch {
+            payload: 0.01 * share,
+            stiction: [0.02 * f64::from(u8::from(i % 3 == 1)), 0.0],
+            torque_ripple: [0.02 * f64::from(u8::from(i % 4 == 2)), 0.0],
+            ..Mismatch::NONE
+        };
+        let start = pose([2.2 - 0.1 * share, 0.9 + 0.1 * share]);
+        let mut arm = TorquePlant::new(&parameters, &differs, &start);
+        let speed = if i % 5 == 4 { 300.0 } else { share };
+        let geometry = *parameters.arm.geometry();
+        let velocities = geometry.forward_velocities(&start, speed, speed).unwrap();
+        arm.set_motion(&start, velocities.omega);
+        match i {
+            17 => arm.with_tolerance(1e-9),
+            _ => arm,
+        }
+    };
+    (0..23).map(arm).collect()
+}
+
+#[test]
+fn arms_side_by_side_have_the_bits_of_each_by_itself() {
+    let (mut many, mut singles) = (unlike_arms(), unlike_arms());
+    let mut halved = 0;
+    for step in 0..40 {
+        let share = |i: usize| (i as f64 + f64::from(step)).sin();
+        let torques: Vec<_> = (0..many.len())
+            .map(|i| [0.05 * share(i), -0.03 * share(i)])
+            .collect();
+        let pushed = |i: usize| {
+            if i.is_multiple_of(2) {
+                [0.0; 2]
+            } else {
+                [0.1 * share(i), 0.2]
+            }
+        };
+        let forces: Vec<_> = (0..many.len()).map(pushed).collect();
+        assert_eq!(
+            TorquePlant::step_many(&mut many, &torques, &forces, 1.5e-3),
+            None
+        );
+        for (i, arm) in singles.iter_mut().enumerate() {
+            let before = arm.angle(Joint::Joint1);
+            arm.set_tool_force(forces[i].into());
+            arm.step(torques[i], 1.5e-3).unwrap();
+            halved += usize::from((arm.angle(Joint::Joint1) - before).abs() > 0.2);
+            assert_eq!(arm.state(), many[i].state(), "arm {i}, step {step}");
+        }
+    }
+    assert!(halved > 20, "{halved} steps needed shorter ones");
+}
+
+#[test]
+fn of_arms_side_by_side_those_that_cannot_go_on_stay_and_the_others_move() {
+    let (mut many, mut singles) = (unlike_arms(), unlike_arms());
+    let mut torques = vec![[0.01, 0.0]; many.len()];
+    for stopped in [6, 21] {
+        torques[stopped][0] = 1e9;
+    }
+    let forces = vec![[0.0; 2]; many.len()];
+    assert_eq!(
+        TorquePlant::step_many(&mut many, &torques, &forces, 3e-3),
+        Some(6)
+    );
+    for (i, arm) in singles.iter_mut().enumerate() {
+        assert_eq!(arm.step(torques[i], 3e-3).is_err(), [6, 21].contains(&i));
+        assert_eq!(arm.state(), many[i].state(), "arm {i}");
+    }
+}

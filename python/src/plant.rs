@@ -6,7 +6,7 @@ use crate::pool::on_all_cores;
 use crate::robot::Robot;
 use crate::simulation::{Figure, change};
 use fivebar_kinematics::five_bar::{Joint, Pose, Side};
-use fivebar_plant::{Mismatch, TooFast, TorquePlant, TorqueState};
+use fivebar_plant::{Mismatch, TorquePlant, TorqueState};
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -144,14 +144,17 @@ impl Plants {
         let before: Vec<TorqueState> = self.arms.iter().map(TorquePlant::state).collect();
         let arms = &mut self.arms;
         let stopped: Option<usize> = on_all_cores(py, || {
-            let arms = arms.par_iter_mut().with_min_len(WORTH_A_THREAD);
-            let loads = torques.par_iter().zip(forces);
-            let stepped = arms.zip(loads).enumerate().map(|(index, (arm, load))| {
-                let (torque, force) = load;
-                arm.set_tool_force((*force).into());
-                let done: Result<(), TooFast> = arm.step(*torque, time);
-                done.err().map(|_| index)
-            });
+            let arms = arms.par_chunks_mut(WORTH_A_THREAD);
+            let loads = torques
+                .par_chunks(WORTH_A_THREAD)
+                .zip(forces.par_chunks(WORTH_A_THREAD));
+            let stepped = arms
+                .zip(loads)
+                .enumerate()
+                .map(|(chunk, (arms, (torques, forces)))| {
+                    let stopped = TorquePlant::step_many(arms, torques, forces, time)?;
+                    Some(chunk * WORTH_A_THREAD + stopped)
+                });
             stepped.flatten().min()
         })?;
         if stopped.is_some() {

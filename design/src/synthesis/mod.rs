@@ -13,6 +13,7 @@
 
 mod area;
 mod condition;
+mod cranks;
 mod evolution;
 mod interval;
 mod measure;
@@ -22,6 +23,7 @@ mod study;
 mod whole;
 
 pub use area::Area;
+pub use cranks::CrankRange;
 pub use measure::{Measure, Measures, Tolerance, WorstPoints};
 pub use proof::Proof;
 pub use study::{Candidate, Found, Study};
@@ -45,6 +47,8 @@ pub struct Specification {
     pub dexterity: f64,
     /// Least |sin| of the angles at the elbows and at C in the area; 0 where the least 1/κ is above 0.
     pub sine: f64,
+    /// The range of the cranks' angles; none if they may turn anywhere.
+    pub cranks: Option<CrankRange>,
     /// The errors of the arm, for the error of its tip.
     pub tolerance: Tolerance,
     /// What is sought.
@@ -128,7 +132,7 @@ impl fmt::Display for SynthesisError {
         let Self::NotFound(short) = self;
         write!(
             f,
-            "no arm was found; the best candidate falls short of `dexterity` or `sine` by {short:.3}: \
+            "no arm was found; the best candidate falls short of `dexterity`, `sine` or `crank` by {short:.3}: \
              allow a longer `link_sum`, a wider range of `base`, or require less"
         )
     }
@@ -139,7 +143,7 @@ impl core::error::Error for SynthesisError {}
 /// Proves an arm of these lengths [m], elbows out, free of singularities in an area of this size [m] at a
 /// place from the middle of its base [m].
 pub fn prove(lengths: [f64; 5], area: &Area, size: f64, place: [f64; 2]) -> Proof {
-    proof::prove(lengths, area, area::Placed { size, place })
+    proof::prove(lengths, area, area::Placed { size, place }, None)
 }
 
 /// Searches the best arm. The result depends on the seed, not on the number of threads. `progress`

@@ -430,6 +430,8 @@ impl<'a> Problem<'a> {
         let tolerance = self.specification.tolerance;
         let at = |sample: [f64; 2]| match condition(lengths, middle + samples.at(sample, area)) {
             Ok(here) => [1.0, -1.0].map(|sign| {
+                let cranks = self.specification.cranks;
+                let by_cranks = cranks.map_or(f64::INFINITY, |range| range.margin(&here));
                 let merit = measure.map(|measure| measure.merit(&here, tolerance));
                 let dexterity = sign * here.dexterity;
                 let sine = (sign * here.sine).min(here.elbow_sine);
@@ -437,7 +439,7 @@ impl<'a> Problem<'a> {
                     0.0 => f64::INFINITY,
                     least => sine - least,
                 };
-                let margin = (dexterity - required).min(by_sine);
+                let margin = (dexterity - required).min(by_sine).min(by_cranks);
                 Worst {
                     margin,
                     dexterity,
@@ -506,7 +508,8 @@ impl<'a> Problem<'a> {
             size: design.size,
             place: design.place,
         };
-        proof::prove(design.lengths, &self.specification.area, placed)
+        let Specification { area, cranks, .. } = self.specification;
+        proof::prove(design.lengths, area, placed, *cranks)
     }
 }
 

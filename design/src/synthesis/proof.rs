@@ -1,8 +1,10 @@
 //! Proof by interval arithmetic that an area has no singularity: in each of the cells that cover it both
-//! legs are bent and sin(θ3 − θ2) has one sign, the same in all; a cell where this is open is halved.
+//! legs are bent and sin(θ3 − θ2) has one sign, the same in all, and the cranks are within their range; a cell where this is
+//! open is halved.
 
 use super::area::{Area, Cell, Placed};
 use super::condition::ELBOWS_OUT;
+use super::cranks::CrankRange;
 use super::interval::Interval;
 
 /// Cells smaller than this share of the area stay undecided.
@@ -10,13 +12,13 @@ const SMALLEST: f64 = 1e-10;
 /// Cells examined at most.
 const MOST_CELLS: usize = 2_000_000;
 
-/// Whether an area is free of singularities.
+/// Whether an area is free of singularities, and within the range of the cranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Proof {
     /// It is, at every point.
     Proved,
     /// There is one at or near this point, from the middle of the base [m]: a leg cannot reach it, or
-    /// the arm is in another assembly mode there than elsewhere.
+    /// the arm is in another assembly mode there than elsewhere; or a crank is beyond its range.
     Refuted([f64; 2]),
     /// It could not be decided near this point [m].
     Undecided([f64; 2]),
@@ -24,15 +26,20 @@ pub enum Proof {
 
 /// What is known of a cell.
 enum Verdict {
-    /// Both legs are bent; whether sin(θ3 − θ2) is positive.
+    /// Both legs are bent and the cranks within their range; whether sin(θ3 − θ2) is positive.
     Regular(bool),
-    /// No point is reached.
+    /// No point is reached, or none within the range of the cranks.
     Unreachable,
     Open,
 }
 
 /// Proves the arm, elbows out, free of singularities in an area.
-pub(super) fn prove(lengths: [f64; 5], area: &Area, placed: Placed) -> Proof {
+pub(super) fn prove(
+    lengths: [f64; 5],
+    area: &Area,
+    placed: Placed,
+    cranks: Option<CrankRange>,
+) -> Proof {
     let mut open = area.cells(placed);
     let mut sign = None;
     let mut undecided = None;
@@ -44,7 +51,7 @@ pub(super) fn prove(lengths: [f64; 5], area: &Area, placed: Placed) -> Proof {
             continue;
         };
         let middle = [x.middle(), y.middle()];
-        match verdict(lengths, [x, y]) {
+        match verdict(lengths, [x, y], cranks) {
             Verdict::Unreachable => return Proof::Refuted(middle),
             Verdict::Regular(positive) => {
                 if *sign.get_or_insert(positive) != positive {
@@ -63,7 +70,11 @@ pub(super) fn prove(lengths: [f64; 5], area: &Area, placed: Placed) -> Proof {
 
 /// v2 × v3 = (c1 c4 + σ1 σ4 h1 h4)(p1 × p4) + (σ1 h1 c4 − σ4 c1 h4)(p1 · p4), with the letters of
 /// `condition`; p1 × p4 = base y, p1 · p4 = x² + y² − base²/4 from the middle of the base.
-fn verdict([l1, l2, l3, l4, base]: [f64; 5], [x, y]: [Interval; 2]) -> Verdict {
+fn verdict(
+    [l1, l2, l3, l4, base]: [f64; 5],
+    [x, y]: [Interval; 2],
+    cranks: Option<CrankRange>,
+) -> Verdict {
     let half = Interval::from(0.5 * base);
     let y_squared = y.square();
     let leg1 = leg([l1, l2], x.add(half).square().add(y_squared));
@@ -75,6 +86,13 @@ fn verdict([l1, l2, l3, l4, base]: [f64; 5], [x, y]: [Interval; 2]) -> Verdict {
             false => Verdict::Open,
         };
     };
+    if let Some(range) = cranks {
+        match range.is_kept([(x.add(half), [*c1, *h1]), (x.sub(half), [*c4, *h4])], y) {
+            Some(true) => (),
+            Some(false) => return Verdict::Unreachable,
+            None => return Verdict::Open,
+        }
+    }
     let [side1, side4] = ELBOWS_OUT.map(Interval::from);
     let (h1, h4) = (h1.mul(side1), h4.mul(side4));
     let cross = Interval::from(base).mul(y);

@@ -4,6 +4,7 @@
 
 use super::area::{Density, Placed};
 use super::problem::Problem;
+use super::proof::{self, Proof};
 use super::{Design, Specification, Synthesis, SynthesisError};
 use crate::noise::stream;
 use rayon::prelude::*;
@@ -145,6 +146,13 @@ impl Study {
             worst.dexterity
         };
         arms.par_iter().map(dexterity).collect()
+    }
+
+    /// Proves an arm of these lengths [m] free of singularities, and its cranks within their range, in the area of this size
+    /// [m] at its place.
+    pub fn prove(&self, lengths: [f64; 5], size: f64, place: [f64; 2]) -> Proof {
+        let Specification { area, cranks, .. } = &self.specification;
+        proof::prove(lengths, area, Placed { size, place }, *cranks)
     }
 
     fn designs(&self) -> usize {

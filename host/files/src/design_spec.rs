@@ -4,7 +4,7 @@ use super::job::{Action, Job, Placement, read as read_job};
 use super::refusal::{Key, Refusal, Refusals};
 use super::source::{FileError, Source};
 use super::text_file::{LARGEST_TOML, read_text};
-use fivebar_design::synthesis::{Area, Measure, Objective, Specification, Tolerance};
+use fivebar_design::synthesis::{Area, CrankRange, Measure, Objective, Specification, Tolerance};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -57,6 +57,7 @@ enum Kind {
 struct RequireFile {
     dexterity: Option<f64>,
     sine: Option<f64>,
+    crank: Option<[f64; 2]>,
 }
 
 #[derive(Deserialize)]
@@ -173,6 +174,7 @@ fn made(
         refusals.add(Key::Top("link_sum"), reason);
     }
     let [dexterity, sine] = required(&spec.require, &mut refusals);
+    let cranks = refusals.noted(cranks(&spec.require));
     let front = spec.objective.front;
     if !(1..=MOST_DESIGNS).contains(&front) {
         let reason = format!("must be 1 to {MOST_DESIGNS} designs, not {front}");
@@ -210,6 +212,7 @@ fn made(
         area,
         dexterity,
         sine,
+        cranks: cranks?,
         tolerance: tolerance?,
         objective,
         front,
@@ -219,7 +222,9 @@ fn made(
 
 /// The least 1/κ and the least sine; one that is not given is 0.
 fn required(require: &RequireFile, refusals: &mut Refusals) -> [f64; 2] {
-    let RequireFile { dexterity, sine } = *require;
+    let RequireFile {
+        dexterity, sine, ..
+    } = *require;
     if dexterity.is_none() && sine.is_none_or(|sine| sine == 0.0) {
         let reason = "is missing, and `sine`, too: without either the arm could be singular in the area; give one of \
                       them, more than 0 and less than 1";
@@ -238,6 +243,21 @@ fn required(require: &RequireFile, refusals: &mut Refusals) -> [f64; 2] {
         dexterity.map_or(0.0, |value| share("dexterity", value, true)),
         sine.map_or(0.0, |value| share("sine", value, false)),
     ]
+}
+
+/// The range of the cranks; none if they may turn anywhere.
+fn cranks(require: &RequireFile) -> Result<Option<CrankRange>, Refusal> {
+    let Some([least, greatest]) = require.crank else {
+        return Ok(None);
+    };
+    let range = CrankRange::new([least, greatest]).filter(|_| least.abs() <= TAU);
+    range.map(Some).ok_or_else(|| {
+        let reason = format!(
+            "must be [least, greatest] of θ1, {} to 3.14 rad apart, not [{least:?}, {greatest:?}]",
+            CrankRange::NARROWEST
+        );
+        Key::In("require", "crank").refused(reason)
+    })
 }
 
 /// The stated errors; none are 0.

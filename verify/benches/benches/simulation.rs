@@ -5,13 +5,13 @@ use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::ActuatorCommand;
 use fivebar_firmware::drives::BrushedCommand;
-use fivebar_plant::Mismatch;
-use fivebar_plant::Plant;
+use fivebar_plant::{Mismatch, Plant, TorquePlant};
 use fivebar_sim::simulation::Simulate;
 use std::hint::black_box;
 
 const TICK: f64 = 1e-4;
 const TICKS: u64 = 1000;
+const ARMS: usize = 1000;
 
 fn plant(c: &mut Criterion) {
     let robot = Robot::load("benchtop").unwrap();
@@ -70,5 +70,34 @@ fn drawing(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, plant, drawing);
+/// 1 ms of arms that make the torques that they are told, on one core: by themselves, and side by side.
+fn many(c: &mut Criterion) {
+    let robot = Robot::load("benchtop").unwrap();
+    let parameters = robot.plant_parameters().unwrap();
+    let home = robot.home_pose().unwrap();
+    let arm = TorquePlant::new(&parameters, &Mismatch::NONE, &home);
+    let (mut arms, torques) = (vec![arm; ARMS], vec![[1e-3, -1e-3]; ARMS]);
+    let before = arms[0].state();
+    let mut group = c.benchmark_group("torques");
+    group.throughput(Throughput::Elements(ARMS as u64));
+    group.bench_function("each by itself", |b| {
+        b.iter(|| {
+            for (arm, torque) in arms.iter_mut().zip(&torques) {
+                arm.set_state(&before);
+                arm.step(*torque, 1e-3).unwrap();
+            }
+        });
+    });
+    group.bench_function("side by side", |b| {
+        b.iter(|| {
+            for arm in &mut arms {
+                arm.set_state(&before);
+            }
+            TorquePlant::step_many(&mut arms, &torques, &[[0.0; 2]; ARMS], 1e-3)
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, plant, drawing, many);
 criterion_main!(benches);

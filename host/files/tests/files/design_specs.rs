@@ -129,6 +129,10 @@ fn either_requirement_alone_suffices_and_none_is_refused() {
     assert_eq!(required("sine = 0.4"), Ok([0.0, 0.4]));
     assert_eq!(required("dexterity = 0.3"), Ok([0.3, 0.0]));
     assert_eq!(required("dexterity = 0.3\nsine = 0.4"), Ok([0.3, 0.4]));
+    assert_eq!(
+        required("dexterity = 0.3\ncrank = [0.5, 2.5]"),
+        Ok([0.3, 0.0])
+    );
     for (require, reason) in [
         ("", "`dexterity` of [require] is missing, and `sine`, too"),
         (
@@ -138,6 +142,14 @@ fn either_requirement_alone_suffices_and_none_is_refused() {
         (
             "dexterity = 0.0",
             "`dexterity` of [require] must be more than 0",
+        ),
+        (
+            "sine = 0.4\ncrank = [0.5, 4.0]",
+            "`crank` of [require] must be [least, greatest] of θ1",
+        ),
+        (
+            "sine = 0.4\ncrank = [2.0, 1.0]",
+            "`crank` of [require] must be [least, greatest] of θ1",
         ),
         (
             "sine = 1.0",

@@ -61,7 +61,12 @@ pub(crate) fn proof_sentence(what: &str, proof: Proof) -> String {
     };
     match proof {
         Proof::Proved => format!("{what} proved free of singularities in its area"),
-        Proof::Refuted(place) => format!("{what} singular in its area, {}", near(place)),
+        Proof::Refuted(place) => {
+            format!(
+                "{what} singular in its area, or a crank beyond its range, {}",
+                near(place)
+            )
+        }
         Proof::Undecided(place) => {
             format!("{what} not proved free of singularities {}", near(place))
         }

@@ -1,0 +1,162 @@
+"""The same work by other programs from PyPI, timed side by side.
+
+    pip install ./python pin toppra roboticstoolbox-python
+    python tests/peers/rivals.py [--write docs/verify/rivals.md]
+
+The arm is `benchtop`. Times are the processor's for one call from Python, the best of 30, on one thread. Both answers are
+compared.
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+for threads in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[threads] = "1"
+
+import numpy as np
+import pinocchio
+import roboticstoolbox
+import toppra
+import toppra.algorithm
+import toppra.constraint
+
+import fivebar
+
+ARM = fivebar.Arm.load("benchtop")
+POINTS = [[0.0, 0.18], [0.04, 0.2], [0.08, 0.18]]
+#: Of both joints [rad/s], [rad/s²].
+SPEED, ACCELERATION = 6.0, 90.0
+
+
+def seconds(call):
+    """Of the processor for one call."""
+    best = np.inf
+    count = max(1, int(0.01 / max(1e-7, min(once(call, 1) for _ in range(5)))))
+    for _ in range(30):
+        best = min(best, once(call, count) / count)
+    return best
+
+
+def once(call, count):
+    begin = time.process_time()
+    for _ in range(count):
+        call()
+    return time.process_time() - begin
+
+
+def accelerations():
+    """α1, α4 under torques, without friction. Pinocchio joins both halves of the loop by a constraint."""
+    smooth = "\n".join(line for line in ARM.toml.splitlines() if "friction" not in line)
+    arm = fivebar.Arm.from_toml(smooth)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "arm.urdf"
+        path.write_text(arm.export("urdf"), encoding="utf-8")
+        model = pinocchio.buildModelFromUrdf(str(path))
+    # The built-in arm lies flat.
+    model.gravity.linear = np.zeros(3)
+    theta, omega, torque = np.array([2.2, 0.9]), np.array([1.0, 2.0]), np.array([0.02, -0.01])
+    motion = arm.motion(theta, omega)
+    pose = arm.forward(theta)
+    (omega2, omega3), (theta2, theta3) = (motion.omega2, motion.omega3), (pose.theta2, pose.theta3)
+    angles = {"A": theta[0], "B": theta2 - theta[0], "E": theta[1], "D": theta3 - theta[1]}
+    rates = {"A": omega[0], "B": omega2 - omega[0], "E": omega[1], "D": omega3 - omega[1]}
+    q, v, tau = pinocchio.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
+    for name, angle in angles.items():
+        joint = model.joints[model.getJointId(name)]
+        wide = [np.cos(angle), np.sin(angle)] if joint.nq == 2 else [angle]
+        q[joint.idx_q:joint.idx_q + joint.nq] = wide
+        v[joint.idx_v] = rates[name]
+    driven = [model.joints[model.getJointId(name)].idx_v for name in ("A", "E")]
+    tau[driven] = torque
+    one, other = (model.frames[model.getFrameId(name)] for name in ("c_of_link2", "c_of_link3"))
+    loop = pinocchio.RigidConstraintModel(
+        pinocchio.ContactType.CONTACT_3D, model, one.parentJoint, one.placement, other.parentJoint,
+        other.placement, pinocchio.LOCAL)
+    loops = pinocchio.StdVec_RigidConstraintModel([loop])
+    data, loops_data = model.createData(), pinocchio.StdVec_RigidConstraintData([loop.createData()])
+    pinocchio.initConstraintDynamics(model, data, loops, loops_data)
+    settings = pinocchio.ProximalSettings(1e-12, 1e-10, 20)
+
+    def theirs():
+        return pinocchio.constraintDynamics(model, data, q, v, tau, loops, loops_data, settings)
+
+    def ours():
+        return arm.forward_dynamics(theta, omega, torque).alpha
+
+    difference = np.abs(theirs()[driven] - ours()).max() / np.abs(ours()).max()
+    return ("accelerations of the closed chain", "pin", theirs, ours, difference, 1e-6)
+
+
+def inverse():
+    """θ1 for a place of C. roboticstoolbox has no closed chains: it solves one leg, we both."""
+    l1, l2 = ARM.lengths[:2]
+    of = roboticstoolbox.ET
+    leg = of.Rz() * of.tx(l1) * of.Rz() * of.tx(l2)
+    place = np.eye(4)
+    place[:2, 3] = [0.04, 0.2]
+    mine = ARM.inverse(place[:2, 3])
+    start = np.array([mine.theta[0] + 0.3, mine.theta2 - mine.theta[0] + 0.3])
+
+    def theirs():
+        return leg.ik_LM(place, q0=start, mask=[1, 1, 0, 0, 0, 0], tol=1e-16)
+
+    def ours():
+        return ARM.inverse([0.04, 0.2])
+
+    difference = abs(theirs()[0][0] - mine.theta[0])
+    return ("angles of one leg, ours of both, for a place", "roboticstoolbox-python", theirs, ours, difference, 1e-6)
+
+
+def fastest():
+    """The shortest time along a spline with limits of both joints' speed and acceleration, toppra's in joint angles."""
+    limits = {"speed": [SPEED] * 2, "acceleration": [ACCELERATION] * 2}
+
+    def ours():
+        return ARM.plan(POINTS, limits=limits, spline=True)
+
+    plan = ours()
+    times = np.linspace(0.0, plan.time, 200)
+    angles = plan.sample(times).theta
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(angles, axis=0), axis=1))])
+    path = toppra.SplineInterpolator(along, angles)
+    wide = [toppra.constraint.JointVelocityConstraint([[-SPEED, SPEED]] * 2),
+            toppra.constraint.JointAccelerationConstraint([[-ACCELERATION, ACCELERATION]] * 2)]
+    toppra.setup_logging("ERROR")
+
+    def theirs():
+        found = toppra.algorithm.TOPPRA(
+            wide, path, gridpoints=np.linspace(0.0, along[-1], 201), parametrizer="ParametrizeConstAccel")
+        return found.compute_trajectory(0, 0)
+
+    difference = abs(theirs().duration - plan.time) / plan.time
+    return ("the fastest motion along a spline", "toppra", theirs, ours, difference, 1e-2)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--write", type=Path, metavar="FILE.md")
+    given = parser.parse_args()
+    rows, failed = [], []
+    for task in (accelerations, inverse, fastest):
+        name, other, theirs, ours, difference, bound = task()
+        spent, own = 1e6 * seconds(theirs), 1e6 * seconds(ours)
+        rows.append(f"| {name} | {other} {version(other)} | {spent:.1f} | {own:.1f} | {spent / own:.1f} | {difference:.0e} |")
+        print(rows[-1], flush=True)
+        if not difference < bound:
+            failed.append(name)
+    if given.write and not failed:
+        given.write.write_text(
+            "# Beside other programs\n\n`python tests/peers/rivals.py --write docs/verify/rivals.md` makes this page.\n"
+            f"{__doc__.split(chr(10) * 2)[2].strip()}\n\n"
+            "| task | program | its time, µs | ours, µs | ratio | difference |\n|---|---|---|---|---|---|\n"
+            + "\n".join(rows) + "\n", encoding="utf-8")
+    sys.exit(f"rivals: other answers: {', '.join(failed)}" if failed else 0)
+
+
+if __name__ == "__main__":
+    main()
