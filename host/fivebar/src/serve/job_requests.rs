@@ -8,7 +8,7 @@ use super::preview::{JobStart, nearest};
 use super::requests::{JOINT_SPEED, Refused};
 use super::wire::lease::Page;
 use super::wire::lease::PageId;
-use super::wire::message::Reading;
+use super::wire::message::{Reading, ServerMessage};
 use fivebar_files::job::JobOptions;
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_sim::path_queue::way_back;
@@ -276,6 +276,21 @@ impl ControllerThread {
                 }
                 return;
             }
+            Prepared::Macro(read) => {
+                if asked_by.is_none() {
+                    self.start_macro(read);
+                }
+                self.go_on_with_job(asked_by);
+                return;
+            }
+            Prepared::Line(to, found) => {
+                match found {
+                    Some((line, at)) => self.updates.send(&ServerMessage::Line { to, line, at }),
+                    None => self.refuse(Some(to), "The job draws nothing.".into()),
+                }
+                self.go_on_with_job(asked_by);
+                return;
+            }
             Prepared::Unreadable(message) => {
                 self.loaded = None;
                 self.updates.send_job(message);
@@ -307,7 +322,19 @@ impl ControllerThread {
         }
     }
 
-    fn has_control(&self, page: PageId) -> bool {
+    /// Has the loaded job checked and timed behind other work, if its times are not planned yet or a page waits for it.
+    fn go_on_with_job(&mut self, asked_by: Option<(PageId, u32)>) {
+        self.run_asked_by = asked_by;
+        if let Some(loaded) = &self.loaded
+            && (asked_by.is_some() || !loaded.job.is_timed)
+        {
+            let job = Arc::clone(&loaded.job);
+            let start = self.preview.start(&self.session.status);
+            self.jobs.order(Work::Check(job), start);
+        }
+    }
+
+    pub(super) fn has_control(&self, page: PageId) -> bool {
         let lease = &self.pages.shared.lease;
         lease.is_held_by(page, self.session.clock.now())
     }

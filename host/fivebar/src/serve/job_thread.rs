@@ -1,5 +1,7 @@
 //! The thread that reads and checks jobs, so that the controller's thread waits for none.
 
+use super::line_at::line_at;
+use super::macros::ReadMacro;
 use super::parsed_job::{ParsedJob, Size};
 use super::preview::{Branch, JobStart, Preview};
 use super::strokes::drawn_box;
@@ -9,6 +11,7 @@ use super::wire::numbered::NumberedRequest;
 use fivebar_files::job::{Job, JobOptions, JobReader, Placement};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{Kept, Scenario, middle};
+use fivebar_firmware::Move;
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -45,6 +48,10 @@ pub(super) enum Work {
     Fit(Arc<ParsedJob>),
     /// Check a job again, because the arm has moved.
     Check(Arc<ParsedJob>),
+    /// Read a macro of the robot file, and check it.
+    Macro(PageId, String),
+    /// Look for the line of a job that draws nearest to this point [m].
+    LineAt(PageId, Arc<ParsedJob>, [f32; 2]),
     /// Plan the rest of a time-optimal job from this place [m] on one of its parts on.
     Rest(Arc<ParsedJob>, usize, [f32; 2]),
 }
@@ -81,6 +88,10 @@ pub(super) enum Prepared {
         /// Where the rest begins [m].
         place: [f32; 2],
     },
+    /// A macro.
+    Macro(ReadMacro),
+    /// A page's line of the job, and where the tool is before it [m]; none if the job draws nothing.
+    Line(PageId, Option<(u32, [f32; 2])>),
     /// The times of a job that was prepared before.
     Times {
         /// The job with its times.
@@ -289,6 +300,18 @@ impl Workshop {
                 };
                 return (rest, None);
             }
+            Work::Macro(page, name) => {
+                let read = ReadMacro {
+                    moves: self.macro_moves(&name, start),
+                    page,
+                    name,
+                    start,
+                };
+                return (Prepared::Macro(read), None);
+            }
+            Work::LineAt(page, job, point) => {
+                return (Prepared::Line(page, line_at(&job, point)), None);
+            }
             Work::Load(page, source) => match self.load(page, source, start) {
                 Ok(job) => Arc::new(job),
                 Err(unreadable) => return (unreadable, None),
@@ -324,6 +347,25 @@ impl Workshop {
         };
         let untimed = message.refusal.is_none().then_some((job, message));
         (prepared, untimed)
+    }
+
+    /// The moves of a macro, all of which the arm can do from where it is.
+    fn macro_moves(&self, name: &str, start: JobStart) -> Result<Vec<Move>, String> {
+        let unknown = || "The robot file has no such macro.".to_owned();
+        let text = self.robot.macros.get(name).ok_or_else(unknown)?;
+        // X0 Y0 is where it is for senders.
+        let home = self.robot.home_pose().map_err(sentence)?;
+        let scenario = Scenario {
+            origin: Some(self.robot.tool_at(&home)),
+            reader: self.reader,
+            ..Scenario::new(name, self.robot.clone(), "macro.gcode", text.clone())
+        };
+        let job = scenario.job().map_err(sentence)?;
+        let parsed = self.parsed(name, Arc::from(""), (job, Size::TRUE), start)?;
+        let message = self.preview.job(name, &parsed.job, &parsed.moves, start);
+        message
+            .refusal
+            .map_or_else(|| Ok(parsed.moves.to_vec()), Err)
     }
 
     /// The times of a job, planned while `goes_on` returns true.

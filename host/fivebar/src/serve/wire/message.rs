@@ -57,6 +57,17 @@ pub(in crate::serve) enum ClientRequest {
     Renew(u64),
     /// Put the pen down or lift it, where the arm rests.
     Pen(PenPosition),
+    /// Hold the pen's servo at another width of its pulse while the motors are off.
+    PenHeight {
+        /// The height that is tried.
+        pen: PenPosition,
+        /// The width [s].
+        width: f64,
+    },
+    /// Keep the pen's heights that were tried.
+    KeepPen,
+    /// Do the lines of the robot file with this name.
+    Macro(String),
     /// Send a line of G-code, or a command of Grbl.
     Console(String),
     /// Change to this working mode (the sides of elbows 1 and 4) with the same position of
@@ -79,6 +90,8 @@ pub(in crate::serve) enum ClientRequest {
     Frame,
     /// Run the loaded job.
     Run,
+    /// Say at which line the loaded job draws nearest to this point [m].
+    LineAt([f64; 2]),
     /// Run it from this line on.
     RunFrom(u32),
     /// Go on with the job at the place where it was stopped.
@@ -202,6 +215,15 @@ pub(in crate::serve) enum ServerMessage<'a> {
         /// Why it was refused; none: it was accepted.
         refused: Option<String>,
     },
+    /// The line of the job that draws nearest to a point.
+    Line {
+        /// The page that asked.
+        to: PageId,
+        /// The line.
+        line: u32,
+        /// Where the tool comes down to begin there [m].
+        at: [f32; 2],
+    },
     /// Answers to the lines of a page's console.
     Console {
         /// The page.
@@ -257,6 +279,9 @@ pub(in crate::serve) struct StateMessage<'a> {
     pub(in crate::serve) held: Option<u32>,
     /// The pause at which the job waits for its user.
     pub(in crate::serve) pause: Option<&'a str>,
+    /// The widths of the servo's pulse with the pen up and down, those that are tried if there are some [s]; none without
+    /// a servo.
+    pub(in crate::serve) pen: Option<[f32; 2]>,
     /// Whether the job runs on when no page is in control.
     pub(in crate::serve) run_on: bool,
     /// The share of the job's feed rates.
@@ -351,7 +376,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 21];
+        let mut seen = [false; 25];
         for example in examples.lines() {
             let read: NumberedRequest = serde_json::from_str(example).expect(example);
             let kind = match read.request {
@@ -376,10 +401,14 @@ mod tests {
                 ClientRequest::Fit => 18,
                 ClientRequest::Frame => 19,
                 ClientRequest::Read(_) => 20,
+                ClientRequest::PenHeight { .. } => 21,
+                ClientRequest::KeepPen => 22,
+                ClientRequest::Macro(_) => 23,
+                ClientRequest::LineAt(_) => 24,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 21]);
+        assert_eq!(seen, [true; 25]);
     }
 
     #[test]
@@ -404,6 +433,7 @@ mod tests {
             left: None,
             held: None,
             pause: None,
+            pen: None,
             run_on: false,
             feed: 1.0,
         };
