@@ -2,8 +2,8 @@
 
     python tracing.py OUR_EXAMPLE FOLDER [--write TABLE.csv]
 
-Each picture has 800 by 800 pixels and 100 mm. The reference is the contour of its darkness at 0.5, by marching squares. Fails if
-Fivebar's outlines are farther from it than LARGEST, or more than TIE times as far as the nearer of the two.
+Each picture has 800 by 800 pixels and 100 mm. The reference is the contour of its darkness at 0.5, by marching squares: every point that is
+drawn must be near it, and it near what is drawn where it surrounds more than a speck. Fails if Fivebar's outlines are farther from it than LARGEST, or more than TIE times as far as the nearer of the two.
 """
 
 import argparse
@@ -17,16 +17,17 @@ import numpy
 import svgelements
 import vtracer
 from PIL import Image, ImageDraw, ImageFilter
-from shapes import hausdorff, ours
+from shapes import farthest, ours, sampled
 from skimage.measure import find_contours
 
 SIDE = 800  # pixels
 PIXEL = 100.0 / SIDE  # mm
 FINE = 4  # pixels of a logo are drawn finer by this, then averaged
 STEP = 0.05  # between two compared points [mm]
-LARGEST = 0.5  # mm
+LARGEST = 0.3  # mm
 TIE = 1.5
-SPECK = 3  # outlines of fewer pixels are left out by all
+SPECK = 3  # areas of fewer pixels are left out by all [pixels]
+SEEN = 16  # areas of so many must be drawn [pixels]
 
 
 def logo(number):
@@ -77,7 +78,20 @@ def reference(picture):
     """The contours of darkness 0.5 [mm], y upwards."""
     dark = numpy.pad(1 - numpy.asarray(picture, dtype=float) / 255, 1)
     lines = find_contours(dark, 0.5)
-    return [numpy.column_stack([line[:, 1] - 0.5, SIDE + 0.5 - line[:, 0]]) * PIXEL for line in lines if len(line) > SPECK]
+    return [numpy.column_stack([line[:, 1] - 0.5, SIDE + 0.5 - line[:, 0]]) * PIXEL for line in lines]
+
+
+def surrounded(line):
+    """The area in a closed line [mm²]."""
+    x, y = line.T
+    return abs(numpy.dot(x, numpy.roll(y, 1)) - numpy.dot(y, numpy.roll(x, 1))) / 2
+
+
+def distance(strokes, contours):
+    """The Hausdorff distance, without contours of specks [mm]."""
+    drawn = sampled(strokes, STEP)
+    large = [line for line in contours if surrounded(line) >= SEEN * PIXEL**2]
+    return max(farthest(drawn, sampled(contours, STEP)), farthest(sampled(large, STEP), drawn))
 
 
 def of_svg(file, scale):
@@ -117,12 +131,7 @@ def fivebar(example, picture, folder):
     picture.save(grey)
     began = time.perf_counter()
     strokes = ours(example, grey, "outline", "0.5")
-    return centred(strokes), time.perf_counter() - began
-
-
-def centred(strokes):
-    """Fivebar has its drawing's own frame: the lower left corner of the picture is its origin, or the drawing's middle."""
-    return strokes
+    return strokes, time.perf_counter() - began
 
 
 def main():
@@ -139,7 +148,7 @@ def main():
         contours, off = reference(picture), {}
         for tracer, trace in tracers.items():
             strokes, seconds = trace(picture, given.folder)
-            off[tracer] = hausdorff(strokes, contours, STEP)
+            off[tracer] = distance(strokes, contours)
             rows.append([name, tracer, f"{off[tracer]:.3f}", len(strokes), len(contours), f"{seconds:.2f}"])
             print(*rows[-1], flush=True)
         own, best = off["fivebar"], min(off["potrace"], off["vtracer"])

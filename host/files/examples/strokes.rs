@@ -30,6 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = JobOptions {
         trace,
         level,
+        // Some programs write no F.
+        speed_without_feed: Some(0.05),
         ..JobOptions::default()
     };
     let job = Job::parse_with(&text, &AS_DRAWN, &options)?;
