@@ -64,7 +64,7 @@ fn listen(
             Err(RecvTimeoutError::Timeout) => continue,
             Err(RecvTimeoutError::Disconnected) => break,
         };
-        match obey(session, trial, keep, line.trim())? {
+        match order(session, trial, keep, line.trim())? {
             Ok(()) => show(trial)?,
             Err(why) => warn(why),
         }
@@ -73,7 +73,7 @@ fn listen(
 }
 
 /// Does what a line says; why it cannot be done.
-fn obey(
+fn order(
     session: &mut Session,
     trial: &mut PenTrial,
     keep: &KeepValues,
