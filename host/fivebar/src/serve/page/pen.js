@@ -1,6 +1,6 @@
 // The sliders of the pen's heights. The servo follows them while the motors are off.
 
-const INTERVAL = 100; // ms between two requests
+const INTERVAL = 100; // ms between two requests of a height
 const SETTLES = 500; // ms after which a slider shows what the server has
 const MILLISECOND = 1e-3;
 const HEIGHTS = ["up", "down"];
@@ -8,7 +8,7 @@ const HEIGHTS = ["up", "down"];
 const at = (id) => document.getElementById(id);
 
 export class PenHeights {
-  #timer = null;
+  #timers = {}; // of the requests that wait, by height
   #touched = -SETTLES; // when a slider was last moved [ms]
 
   // `onHold` gets the height, "up" or "down", and the width of the pulse [s].
@@ -18,8 +18,8 @@ export class PenHeights {
       slider.oninput = () => {
         this.#touched = performance.now();
         this.#write(pen, Number(slider.value));
-        this.#timer ??= setTimeout(() => {
-          this.#timer = null;
+        this.#timers[pen] ??= setTimeout(() => {
+          this.#timers[pen] = null;
           onHold(pen, Number(slider.value) * MILLISECOND);
         }, INTERVAL);
       };
