@@ -91,6 +91,10 @@ impl PenTrial {
             return Ok(Self::end(session)?.and(Err(why)));
         }
         session.settings = settings;
+        // An emulated board in lockstep gets its settings at each start.
+        if session.is_in_lockstep() {
+            return Ok(Ok(()));
+        }
         let stored = session.client.command(HostCommand::SaveSettings)?;
         Ok(stored.map_err(|refusal| {
             format!(
@@ -157,4 +161,59 @@ fn use_widths(
     // New settings begin with a new count of ticks.
     session.read_status()?;
     Ok(Ok(checked))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fivebar_files::robot::{Robot, measured_text, text_of};
+    use fivebar_sim::clock::Clock;
+    use fivebar_sim::controller::{ControllerSource, open};
+    use std::sync::{Arc, Mutex};
+
+    const PEN: &str = "[tool_output]\nkind = \"servo\"\nup_width = 1.0e-3\ndown_width = 1.5e-3\ndown_time = 0.12\nup_time = 0.08\n";
+
+    /// The width that the controller's servo has with the motors off [s].
+    fn held(session: &mut Session) -> f32 {
+        let mut settings = *session.settings;
+        session.client.read_settings(&mut settings).unwrap();
+        assert_eq!(session.status.state, State::Stopped);
+        PenTrial::of(&settings).unwrap().widths[0]
+    }
+
+    #[test]
+    fn the_servo_follows_both_heights_and_the_kept_file_is_what_the_controller_has_with_every_kind_of_drive()
+     {
+        for name in ["benchtop", "benchtop_stepper", "leg", "classroom_servo"] {
+            let mut text = text_of(name).unwrap();
+            if !text.contains("[tool_output]") {
+                text = format!("{text}\n{PEN}");
+            }
+            let robot = Robot::parse(name, &text).unwrap();
+            let clock = Clock::simulated();
+            let (mut session, _) = open(&robot, ControllerSource::Simulated, &clock).unwrap();
+            let own = held(&mut session);
+            let mut trial = PenTrial::of(&session.settings).unwrap();
+            for (height, width) in [(Height::Down, 1.7e-3), (Height::Up, 0.9e-3)] {
+                trial.hold(&mut session, height, width).unwrap().unwrap();
+                assert_eq!(held(&mut session), width as f32, "{name}: {height:?}");
+            }
+            let unwritten: KeepValues = Box::new(|_| Err("The disk is full.".into()));
+            let full = trial.keep(&mut session, &unwritten).unwrap();
+            assert_eq!(full, Err("The disk is full.".into()));
+            assert_eq!(held(&mut session), own, "{name}: nothing is kept");
+            let new = Arc::<Mutex<String>>::default();
+            let written = Arc::clone(&new);
+            let keep: KeepValues = Box::new(move |values| {
+                *written.lock().unwrap() =
+                    measured_text("arm", &text, values).map_err(|e| e.to_string())?;
+                Ok(())
+            });
+            trial.keep(&mut session, &keep).unwrap().unwrap();
+            let kept = Robot::parse("arm", &new.lock().unwrap()).unwrap();
+            assert_eq!(kept.settings().unwrap(), *session.settings, "{name}");
+            PenTrial::end(&mut session).unwrap().unwrap();
+            assert_eq!(held(&mut session), 0.9e-3, "{name}");
+        }
+    }
 }
