@@ -8,7 +8,7 @@ use super::preview::{JobStart, nearest};
 use super::requests::{JOINT_SPEED, Refused};
 use super::wire::lease::Page;
 use super::wire::lease::PageId;
-use super::wire::message::{Reading, ServerMessage};
+use super::wire::message::Reading;
 use fivebar_files::job::JobOptions;
 use fivebar_firmware::{Move, MoveKind};
 use fivebar_sim::path_queue::way_back;
@@ -284,10 +284,7 @@ impl ControllerThread {
                 return;
             }
             Prepared::Line(to, found) => {
-                match found {
-                    Some((line, at)) => self.updates.send(&ServerMessage::Line { to, line, at }),
-                    None => self.refuse(Some(to), "The job draws nothing.".into()),
-                }
+                self.tell_line(to, found);
                 self.go_on_with_job(asked_by);
                 return;
             }

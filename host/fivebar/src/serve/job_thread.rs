@@ -11,7 +11,6 @@ use super::wire::numbered::NumberedRequest;
 use fivebar_files::job::{Job, JobOptions, JobReader, Placement};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{Kept, Scenario, middle};
-use fivebar_firmware::Move;
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -132,10 +131,10 @@ pub(super) struct JobThread {
 }
 
 /// What the thread prepares jobs with.
-struct Workshop {
-    robot: Robot,
-    preview: Preview,
-    reader: JobReader,
+pub(super) struct Workshop {
+    pub(super) robot: Robot,
+    pub(super) preview: Preview,
+    pub(super) reader: JobReader,
     /// The planner of time-optimal motion; none: the controller plans.
     planner: Option<JobPlanner>,
     /// How files are read.
@@ -285,29 +284,10 @@ impl Workshop {
             Work::Read(job) => parsed(&job, self.read_again(&job)),
             Work::Fit(job) => parsed(&job, self.fitted(&job)),
             Work::Rest(job, part, place) => {
-                let from = start.at(place);
-                let rest = job.rest(part, place);
-                let planned = self.planner.as_ref().map_or_else(
-                    || Err("The server plans no motion.".into()),
-                    |planner| rest.planned(planner, &self.preview, from),
-                );
-                let timed =
-                    |job: ParsedJob| job.timed(&self.preview, from, &|| true).unwrap_or(job);
-                let rest = Prepared::Rest {
-                    job: planned.map(|job| Arc::new(timed(job))),
-                    start,
-                    place,
-                };
-                return (rest, None);
+                return (self.rest(&job, part, place, start), None);
             }
             Work::Macro(page, name) => {
-                let read = ReadMacro {
-                    moves: self.macro_moves(&name, start),
-                    page,
-                    name,
-                    start,
-                };
-                return (Prepared::Macro(read), None);
+                return (Prepared::Macro(self.read_macro(page, name, start)), None);
             }
             Work::LineAt(page, job, point) => {
                 return (Prepared::Line(page, line_at(&job, point)), None);
@@ -349,23 +329,20 @@ impl Workshop {
         (prepared, untimed)
     }
 
-    /// The moves of a macro, all of which the arm can do from where it is.
-    fn macro_moves(&self, name: &str, start: JobStart) -> Result<Vec<Move>, String> {
-        let unknown = || "The robot file has no such macro.".to_owned();
-        let text = self.robot.macros.get(name).ok_or_else(unknown)?;
-        // X0 Y0 is where it is for senders.
-        let home = self.robot.home_pose().map_err(sentence)?;
-        let scenario = Scenario {
-            origin: Some(self.robot.tool_at(&home)),
-            reader: self.reader,
-            ..Scenario::new(name, self.robot.clone(), "macro.gcode", text.clone())
-        };
-        let job = scenario.job().map_err(sentence)?;
-        let parsed = self.parsed(name, Arc::from(""), (job, Size::TRUE), start)?;
-        let message = self.preview.job(name, &parsed.job, &parsed.moves, start);
-        message
-            .refusal
-            .map_or_else(|| Ok(parsed.moves.to_vec()), Err)
+    /// The rest of a time-optimal job.
+    fn rest(&self, job: &ParsedJob, part: usize, place: [f32; 2], start: JobStart) -> Prepared {
+        let from = start.at(place);
+        let rest = job.rest(part, place);
+        let planned = self.planner.as_ref().map_or_else(
+            || Err("The server plans no motion.".into()),
+            |planner| rest.planned(planner, &self.preview, from),
+        );
+        let timed = |job: ParsedJob| job.timed(&self.preview, from, &|| true).unwrap_or(job);
+        Prepared::Rest {
+            job: planned.map(|job| Arc::new(timed(job))),
+            start,
+            place,
+        }
     }
 
     /// The times of a job, planned while `goes_on` returns true.
@@ -493,7 +470,7 @@ impl Workshop {
     }
 
     /// The moves of a job that was read, for the arm where it is; why it has none.
-    fn parsed(
+    pub(super) fn parsed(
         &self,
         name: &str,
         text: Arc<str>,
@@ -512,7 +489,7 @@ impl Workshop {
 }
 
 /// What an error says, as a sentence.
-fn sentence(error: impl std::fmt::Display) -> String {
+pub(super) fn sentence(error: impl std::fmt::Display) -> String {
     let mut sentence = format!("{error}.");
     if let Some(first) = sentence.get_mut(..1) {
         first.make_ascii_uppercase();

@@ -4,7 +4,8 @@ use super::controller_thread::ControllerThread;
 use super::job_thread::Work;
 use super::parsed_job::ParsedJob;
 use super::requests::Refused;
-use super::wire::lease::Page;
+use super::wire::lease::{Page, PageId};
+use super::wire::message::ServerMessage;
 use fivebar_firmware::{Move, MoveKind};
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -22,6 +23,14 @@ impl ControllerThread {
         let point = point.map(|coordinate| coordinate as f32);
         self.jobs.order(Work::LineAt(page.id, job, point), start);
         Ok(())
+    }
+
+    /// Tells a page the line that was found.
+    pub(super) fn tell_line(&self, to: PageId, found: Option<(u32, [f32; 2])>) {
+        match found {
+            Some((line, at)) => self.updates.send(&ServerMessage::Line { to, line, at }),
+            None => self.refuse(Some(to), "The job draws nothing.".into()),
+        }
     }
 }
 

@@ -1,11 +1,14 @@
 //! The macros of the robot file: a few lines of G-code by a button, checked as a job before the arm moves.
 
 use super::controller_thread::ControllerThread;
-use super::job_thread::Work;
+use super::job_thread::{Work, Workshop, sentence};
+use super::parsed_job::Size;
 use super::preview::JobStart;
 use super::requests::Refused;
 use super::wire::lease::{Page, PageId};
+use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Move;
+use std::sync::Arc;
 
 /// A macro that was read and checked.
 pub(super) struct ReadMacro {
@@ -16,6 +19,37 @@ pub(super) struct ReadMacro {
     pub(super) start: JobStart,
     /// Its moves, or why it cannot be done.
     pub(super) moves: Result<Vec<Move>, Refused>,
+}
+
+impl Workshop {
+    /// Reads a macro and checks it.
+    pub(super) fn read_macro(&self, page: PageId, name: String, start: JobStart) -> ReadMacro {
+        ReadMacro {
+            moves: self.macro_moves(&name, start),
+            page,
+            name,
+            start,
+        }
+    }
+
+    /// The moves of a macro, all of which the arm can do from where it is.
+    fn macro_moves(&self, name: &str, start: JobStart) -> Result<Vec<Move>, String> {
+        let unknown = || "The robot file has no such macro.".to_owned();
+        let text = self.robot.macros.get(name).ok_or_else(unknown)?;
+        // X0 Y0 is where it is for senders.
+        let home = self.robot.home_pose().map_err(sentence)?;
+        let scenario = Scenario {
+            origin: Some(self.robot.tool_at(&home)),
+            reader: self.reader,
+            ..Scenario::new(name, self.robot.clone(), "macro.gcode", text.clone())
+        };
+        let job = scenario.job().map_err(sentence)?;
+        let parsed = self.parsed(name, Arc::from(""), (job, Size::TRUE), start)?;
+        let message = self.preview.job(name, &parsed.job, &parsed.moves, start);
+        message
+            .refusal
+            .map_or_else(|| Ok(parsed.moves.to_vec()), Err)
+    }
 }
 
 impl ControllerThread {
