@@ -8,9 +8,9 @@ cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
 
 venv=$built/peers-venv
-if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros2, rosbags, pinocchio, pydot, skimage, svg_to_gcode, vpype, vpype_gcode, vtracer' 2>/dev/null; then
+if ! "$venv/bin/python" -c 'import mujoco, mcap, mcap_ros2, rosbags, pinocchio, ezdxf, pydot, skimage, svg_to_gcode, vpype, vpype_gcode, vtracer' 2>/dev/null; then
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet mujoco mcap mcap-ros2-support rosbags pin pydot vpype vpype-gcode==0.13.0 svg-to-gcode==1.5.4 vtracer==0.6.15 scikit-image
+    "$venv/bin/pip" install --quiet mujoco mcap mcap-ros2-support rosbags pin pydot vpype vpype-gcode==0.13.0 svg-to-gcode==1.5.4 vtracer==0.6.15 scikit-image ezdxf
 fi
 out=$built/peers
 mkdir -p "$out"
@@ -40,10 +40,12 @@ fivebar export urdf usp_2dof --out "$out/arm.urdf"
 "$venv/bin/python" tests/peers/dynamics.py "$built/debug/fivebar" "$out/dynamics"
 cargo build --quiet "${with_features[@]}" --example travel --example strokes
 "$venv/bin/python" tests/peers/travel.py "$built/debug/examples/travel" "$venv/bin/vpype" "$out/travel"
-"$venv/bin/python" tests/peers/programs.py "$built/debug/examples/strokes" "$venv/bin" "$out/programs"
-if ! command -v potrace >/dev/null; then
+if ! command -v potrace >/dev/null || ! command -v inkscape >/dev/null || ! /usr/bin/python3 -c 'import lxml, numpy, cssselect, serial'; then
     as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi; }
     as_root apt-get update -qq
-    as_root apt-get install -y -qq --no-install-recommends potrace >/dev/null
+    # With the packages that Inkscape's extensions use.
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+        potrace inkscape python3-lxml python3-numpy python3-cssselect python3-serial >/dev/null
 fi
+"$venv/bin/python" tests/peers/programs.py "$built/debug/examples/strokes" "$venv/bin" "$out/programs"
 "$venv/bin/python" tests/peers/tracing.py "$built/debug/examples/strokes" "$out/tracing"

@@ -3,15 +3,17 @@
     python programs.py OUR_EXAMPLE FOLDER_OF_PROGRAMS FOLDER
 
 One drawing of lines, arcs, curves, an ellipse and nested transforms goes through vpype (SVG and HPGL), vpype-gcode (its
-profiles in millimetres, in inches and relative) and svg-to-gcode. Fails if any stroke is more than 0.05 mm off.
+profiles in millimetres, in inches and relative), svg-to-gcode and Inkscape (SVG, DXF, HPGL). Fails if any stroke is more than 0.05 mm off.
 """
 
 import argparse
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
+import ezdxf.path
 import numpy
 import svgelements
 from shapes import corners, hausdorff, ours
@@ -107,9 +109,15 @@ def of_hpgl(file):
     return [numpy.array(stroke) for stroke in strokes]
 
 
+def of_dxf(file):
+    """The strokes of a DXF as ezdxf reads it."""
+    curves = [ezdxf.path.make_path(entity) for entity in ezdxf.readfile(file).modelspace()]
+    return [numpy.array([point.vec2 for point in curve.flattening(0.005)]) for curve in curves if len(curve)]
+
+
 def written(folder, programs):
     """What each program makes of the drawing: its name, the file, its reader, and whether the program itself keeps the drawing:
-    relative coordinates add up their rounding, and svg-to-gcode knows paths only.
+    relative coordinates add up their rounding, svg-to-gcode knows paths only, and Inkscape's HPGL cuts over.
     """
     drawing = folder / "drawing.svg"
     drawing.write_text(DRAWING)
@@ -131,6 +139,14 @@ def written(folder, programs):
     file = folder / "svg-to-gcode.gcode"
     compiler.compile_to_file(str(file), passes=1)
     yield "svg-to-gcode", file, of_gcode, False
+    for ending, reader in (("svg", of_svg), ("dxf", of_dxf), ("hpgl", of_hpgl)):
+        file = folder / f"inkscape.{ending}"
+        orders = ["--actions=select-all:all;object-to-path", "--export-plain-svg"] if ending == "svg" else []
+        source = drawing if ending == "svg" else folder / "inkscape.svg"
+        # Its extensions need Debian's Python.
+        subprocess.run(["inkscape", source, *orders, f"--export-type={ending}", f"--export-filename={file}"], check=True,
+                       env={**os.environ, "PATH": "/usr/bin:/bin"}, stderr=subprocess.DEVNULL)
+        yield f"Inkscape {ending}", file, reader, ending != "hpgl"
 
 
 def main():
