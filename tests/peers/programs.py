@@ -117,7 +117,7 @@ def of_dxf(file):
 
 def written(folder, programs):
     """What each program makes of the drawing: its name, the file, its reader, and whether the program itself keeps the drawing:
-    relative coordinates add up their rounding, svg-to-gcode knows paths only, and Inkscape's HPGL cuts over.
+    relative coordinates add up their rounding, svg-to-gcode knows paths only, Inkscape rounds DXF and cuts over in HPGL.
     """
     drawing = folder / "drawing.svg"
     drawing.write_text(DRAWING)
@@ -146,7 +146,7 @@ def written(folder, programs):
         # Its extensions need Debian's Python.
         subprocess.run(["inkscape", source, *orders, f"--export-type={ending}", f"--export-filename={file}"], check=True,
                        env={**os.environ, "PATH": "/usr/bin:/bin"}, stderr=subprocess.DEVNULL)
-        yield f"Inkscape {ending}", file, reader, ending != "hpgl"
+        yield f"Inkscape {ending}", file, reader, ending == "svg"
 
 
 def main():
