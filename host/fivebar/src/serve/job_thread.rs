@@ -1,7 +1,5 @@
 //! The thread that reads and checks jobs, so that the controller's thread waits for none.
 
-use super::line_at::line_at;
-use super::macros::ReadMacro;
 use super::parsed_job::{ParsedJob, Size};
 use super::preview::{Branch, JobStart, Preview};
 use super::strokes::drawn_box;
@@ -11,6 +9,7 @@ use super::wire::numbered::NumberedRequest;
 use fivebar_files::job::{Job, JobOptions, JobReader, Placement};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{Kept, Scenario, middle};
+use fivebar_firmware::Move;
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -102,6 +101,17 @@ pub(super) enum Prepared {
     Unreadable(Utf8Bytes),
     /// The page's message is no job, for this reason.
     NoJob(PageId, String),
+}
+
+/// A macro that was read and checked.
+pub(super) struct ReadMacro {
+    /// The page that asked for it.
+    pub(super) page: PageId,
+    pub(super) name: String,
+    /// Where it was checked from.
+    pub(super) start: JobStart,
+    /// Its moves, or why it cannot be done.
+    pub(super) moves: Result<Vec<Move>, String>,
 }
 
 /// A job that can be done, and its message to the pages.
@@ -290,7 +300,7 @@ impl Workshop {
                 return (Prepared::Macro(self.read_macro(page, name, start)), None);
             }
             Work::LineAt(page, job, point) => {
-                return (Prepared::Line(page, line_at(&job, point)), None);
+                return (Prepared::Line(page, job.line_at(point)), None);
             }
             Work::Load(page, source) => match self.load(page, source, start) {
                 Ok(job) => Arc::new(job),

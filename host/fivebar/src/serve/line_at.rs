@@ -34,22 +34,24 @@ impl ControllerThread {
     }
 }
 
-/// The line of a job that draws nearest to a point [m], and where the tool is before it; none if nothing is drawn.
-pub(super) fn line_at(job: &ParsedJob, point: [f32; 2]) -> Option<(u32, [f32; 2])> {
-    let mut place = None;
-    let mut found: Option<(f32, u32)> = None;
-    for next in job.moves.iter() {
-        if next.tool > 0
-            && let Some(far) = place.and_then(|from| distance(from, next, point))
-            && found.is_none_or(|(least, _)| far < least)
-        {
-            found = Some((far, next.tag));
+impl ParsedJob {
+    /// The line that draws nearest to a point [m], and where the tool is before it; none if nothing is drawn.
+    pub(super) fn line_at(&self, point: [f32; 2]) -> Option<(u32, [f32; 2])> {
+        let mut place = None;
+        let mut found: Option<(f32, u32)> = None;
+        for next in self.moves.iter() {
+            if next.tool > 0
+                && let Some(far) = place.and_then(|from| distance(from, next, point))
+                && found.is_none_or(|(least, _)| far < least)
+            {
+                found = Some((far, next.tag));
+            }
+            place = fivebar_sim::path_queue::end(next).or(place);
         }
-        place = fivebar_sim::path_queue::end(next).or(place);
+        let (_, line) = found?;
+        let (_, at) = self.at_line(line)?;
+        Some((line, at?))
     }
-    let (_, line) = found?;
-    let (_, at) = job.at_line(line)?;
-    Some((line, at?))
 }
 
 /// The distance of a point from a straight move or an arc [m]; none for other moves.

@@ -1,7 +1,7 @@
 //! The macros of the robot file: a few lines of G-code by a button, checked as a job before the arm moves.
 
 use super::controller_thread::ControllerThread;
-use super::job_thread::{Work, Workshop, sentence};
+use super::job_thread::{ReadMacro, Work, Workshop, sentence};
 use super::parsed_job::Size;
 use super::preview::JobStart;
 use super::requests::Refused;
@@ -9,17 +9,6 @@ use super::wire::lease::{Page, PageId};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Move;
 use std::sync::Arc;
-
-/// A macro that was read and checked.
-pub(super) struct ReadMacro {
-    /// The page that asked for it.
-    pub(super) page: PageId,
-    pub(super) name: String,
-    /// Where it was checked from.
-    pub(super) start: JobStart,
-    /// Its moves, or why it cannot be done.
-    pub(super) moves: Result<Vec<Move>, Refused>,
-}
 
 impl Workshop {
     /// Reads a macro and checks it.
