@@ -127,7 +127,7 @@ fn use_widths(
     session.read_status()?;
     if session.status.state != State::Stopped {
         return Ok(Err(
-            "The pen is tried with the motors off: switch them off. The arm is homed afterwards."
+            "The pen is tried with the motors off and no fault latched. The arm is homed afterwards."
                 .into(),
         ));
     }
