@@ -21,6 +21,7 @@ import layout
 import looks
 import moving
 import owning
+import pens
 import reach
 import runs
 import senders
@@ -79,6 +80,8 @@ def main():
         passed("the next step in view in every state, ten tasks in two clicks each, a dropped file")
         kinds.check(arguments.program, browser)
         passed("steppers, drives on a bus, hobby servos: their values, their tip error, replay")
+        pens.check(arguments.program, browser)
+        passed("the pen's heights, macros, a job from a clicked place")
         senders.check(arguments.program, browser)
         passed("a page of another site at the senders' ports")
         commissioning.check(arguments.program, browser)

@@ -69,6 +69,7 @@ fn options(guard: Guard) -> ServeOptions {
         guard,
         senders: for_pages(None),
         time_optimal: None,
+        keep: Box::new(|_| Ok(())),
         jobs: JobReader::default(),
         clock: Clock::real(),
     }

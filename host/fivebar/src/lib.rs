@@ -5,6 +5,7 @@ pub mod cli;
 mod commission;
 pub mod doctor;
 mod job_process;
+pub mod pen_heights;
 #[cfg(feature = "ros")]
 pub mod ros;
 pub mod senders;

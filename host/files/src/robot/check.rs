@@ -6,6 +6,7 @@ use super::consistency::check_together;
 use super::file::RobotFile;
 use super::home::default_home;
 use super::links::read_links;
+use super::macros::check_macros;
 use super::tolerance::read_tolerance;
 use super::tool_output::read_tool_output;
 use super::{Actuator, DriveKind, HomeMethod, Robot};
@@ -28,6 +29,7 @@ pub(super) fn robot(source: &Source<'_>, mut file: RobotFile) -> Result<Robot, R
         .each_ref()
         .map(|name| refusals.noted(side(name)));
     let tool_output = refusals.noted(read_tool_output(&file.tool_output));
+    refusals.note(check_macros(&file.macros));
     let tolerance = refusals.noted(read_tolerance(&file.tolerance));
     file.check_sections(&mut refusals);
     refusals.done()?;
@@ -62,6 +64,7 @@ pub(super) fn robot(source: &Source<'_>, mut file: RobotFile) -> Result<Robot, R
         tool: file.tool,
         tool_output,
         tool_speeds,
+        macros: file.macros,
         limits: file.limits,
         motion: file.motion,
         rigid_control: control,

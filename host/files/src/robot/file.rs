@@ -15,6 +15,7 @@ use crate::refusal::{Key, Refusal, Refusals};
 use fivebar_firmware::settings::{AdvancedSettings, LONGEST_STOP};
 use fivebar_plant::contact::Contact;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// The whole file.
@@ -36,6 +37,8 @@ pub(super) struct RobotFile {
     pub(super) tool: Tool,
     #[serde(default)]
     pub(super) tool_output: ToolOutputFile,
+    #[serde(default)]
+    pub(super) macros: BTreeMap<String, String>,
     #[serde(default)]
     pub(super) limits: Limits,
     #[serde(default)]

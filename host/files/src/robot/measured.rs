@@ -17,6 +17,8 @@ pub enum MeasuredKey {
     Home,
     /// A key of the n-th `[[link]]`, from 0.
     Link(usize, &'static str),
+    /// A key of `[tool_output]`.
+    ToolOutput(&'static str),
     /// A key of the `[[actuator]]` of a joint.
     Actuator(Joint, &'static str),
 }
@@ -28,6 +30,7 @@ impl MeasuredKey {
             Self::Payload => Key::Top("payload"),
             Self::Home => Key::Top("home"),
             Self::Link(index, name) => Key::Of("link", index, name),
+            Self::ToolOutput(name) => Key::In("tool_output", name),
             Self::Actuator(joint, name) => Key::Of("actuator", joint.index(), name),
         }
     }

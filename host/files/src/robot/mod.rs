@@ -22,6 +22,7 @@ mod home_index;
 mod home_method;
 mod homing;
 mod links;
+mod macros;
 mod measured;
 mod newest;
 mod plausible;
@@ -66,6 +67,7 @@ use fivebar_kinematics::dynamics::Arm;
 use fivebar_kinematics::five_bar::{Geometry, WorkingMode};
 use fivebar_plant::contact::Contact;
 use nalgebra::Vector2;
+use std::collections::BTreeMap;
 
 /// A robot from a file, checked.
 ///
@@ -101,6 +103,8 @@ pub struct Robot {
     pub tool_output: ToolOutputSettings,
     /// S of M3 and M4 for a tool of two states, if the file states them.
     pub(crate) tool_speeds: Option<[f64; 2]>,
+    /// G-code by name, which buttons of the live page do.
+    pub macros: BTreeMap<String, String>,
     /// The joints' limits.
     pub limits: Limits,
     /// The tool's limits.

@@ -149,6 +149,10 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "pen",
+        &["fivebar pen --robot my-arm.toml --port /dev/ttyUSB0"],
+    ),
+    (
         "photo",
         &[
             "fivebar photo my.svg --robot my-arm.toml --draw-marks marks.gcode",

@@ -32,6 +32,7 @@ mod mobility;
 mod monitor;
 mod new;
 mod output;
+mod pen;
 mod photo;
 mod pil;
 mod plan;
@@ -96,6 +97,7 @@ enum Command {
     Mobility(mobility::Args),
     Monitor(monitor::Args),
     New(new::Args),
+    Pen(pen::Args),
     Photo(Box<photo::Args>),
     Pil(pil::Args),
     Plan(plan::Args),
@@ -149,6 +151,7 @@ pub fn main() -> ExitCode {
             Command::Mobility(args) => mobility::run(&args),
             Command::Monitor(args) => monitor::run(&args),
             Command::New(args) => new::run(&args),
+            Command::Pen(args) => pen::run(&args),
             Command::Photo(args) => photo::run(&args),
             Command::Pil(args) => pil::run(&args),
             Command::Plan(args) => plan::run(&args),

@@ -3,11 +3,13 @@
 use super::failure::{Failure, refused};
 use super::plan::share;
 use super::port::interrupted;
+use super::rewrite::rewrite;
 use super::say::{say, warn, warn_of_drivers};
 use super::value_error::ValueError;
 use crate::bridge::{self, BridgeOptions};
 use crate::commission::Options;
 use crate::job_process::APART;
+use crate::pen_heights::KeepValues;
 use crate::senders::Endpoints;
 use crate::serve::commission::serve as guided;
 use crate::serve::{Guard, ServeError, ServeOptions, serve};
@@ -174,6 +176,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         guard,
         senders: bridge::for_pages(args.senders.map(BridgeOptions::at)),
         time_optimal: args.time_optimal.then_some(args.torque_share),
+        keep: keep(args.controller.robot.clone()),
         jobs: APART,
         clock: Clock::real(),
     };
@@ -182,6 +185,18 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ServeError::Open(error) => described(error, &args.controller, &robot),
         ServeError::Link(error) => described(error.into(), &args.controller, &robot),
         other => refused(other),
+    })
+}
+
+/// What writes values to the robot's file, the old one kept.
+pub(super) fn keep(robot: String) -> KeepValues {
+    Box::new(move |values| {
+        if BuiltIn::find(&robot).is_some() {
+            return Err(format!(
+                "{robot} is a built-in robot: write its file with `fivebar robots {robot} > my-arm.toml`, then use --robot my-arm.toml."
+            ));
+        }
+        rewrite(&robot, Path::new(&robot), values).map_err(|failure| format!("{failure}."))
     })
 }
 

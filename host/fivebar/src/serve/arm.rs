@@ -23,6 +23,8 @@ struct Arm<'a> {
     tool_offset: [f64; 2],
     /// Least and greatest θ1 and θ4.
     angle_limits: [[f64; 2]; 2],
+    /// The names of the macros.
+    macros: Vec<&'a str>,
     /// B, C, D and the tool at home.
     home: [[f64; 2]; 4],
 }
@@ -51,6 +53,7 @@ pub(super) fn describe(
         base: robot.geometry.base(),
         tool_offset: robot.tool.offset,
         angle_limits: robot.limits.angle,
+        macros: robot.macros.keys().map(String::as_str).collect(),
         home: [b, c, d, robot.tool_at(&pose)],
     };
     Ok(serde_json::json!(arm).to_string())

@@ -16,6 +16,7 @@ use super::wire::channels::ControllerEnd;
 use super::wire::lease::PageId;
 use super::wire::message::{FaultMessage, ServerMessage, StateMessage, brief};
 use super::wire::updates::Updates;
+use crate::pen_heights::{KeepValues, PenTrial};
 use crate::senders::{Console, Senders};
 use fivebar_files::job::JobReader;
 use fivebar_files::robot::Robot;
@@ -67,6 +68,10 @@ pub(super) struct ControllerThread {
     pub(super) loaded: Option<LoadedJob>,
     /// The page that wants the job to run from this line as soon as it is read and checked.
     pub(super) run_asked_by: Option<(PageId, u32)>,
+    /// The page that tries heights of the pen, and these.
+    pub(super) pen: Option<(PageId, PenTrial)>,
+    /// Writes values to the robot file.
+    pub(super) keep: KeepValues,
     /// Whether the job runs on when no page is in control.
     pub(super) run_on: bool,
     /// When a page last cleared a fault.
@@ -74,7 +79,7 @@ pub(super) struct ControllerThread {
     /// A hand leads the arm.
     pub(super) teaching: Option<Teaching>,
     pub(super) tool: Tool<f64>,
-    speed: SpeedMeter,
+    pub(super) speed: SpeedMeter,
 }
 
 /// A job that was read and checked.
@@ -94,7 +99,7 @@ impl ControllerThread {
         mut session: Session,
         senders: Box<dyn Senders>,
         robot: Robot,
-        (reader, planner): (JobReader, Option<JobPlanner>),
+        (reader, planner, keep): (JobReader, Option<JobPlanner>, KeepValues),
         pages: ControllerEnd,
         updates: Updates,
     ) -> Result<Self, ServeError> {
@@ -126,6 +131,8 @@ impl ControllerThread {
             sent_fault: None,
             loaded: None,
             run_asked_by: None,
+            pen: None,
+            keep,
             run_on: false,
             cleared: None,
             teaching: None,
@@ -141,11 +148,15 @@ impl ControllerThread {
         while served.is_ok() && !ends() {
             served = self.cycle();
         }
+        if served.is_ok() {
+            served = self.end_pen_trial().map(|_| ());
+        }
         Ok(self.session.stop_after(served)?)
     }
 
     fn cycle(&mut self) -> Result<(), LinkError> {
         self.handle_events()?;
+        self.end_pen_trial_of_a_lost_page()?;
         self.take_prepared_job();
         self.change_mode_if_wanted();
         if self.serve_senders()? {
@@ -180,7 +191,7 @@ impl ControllerThread {
 
     /// Serves the sender in control; returns whether there is one.
     fn serve_senders(&mut self) -> Result<bool, LinkError> {
-        let admits = self.rests() && !self.feeder.is_running();
+        let admits = self.rests() && !self.feeder.is_running() && self.pen.is_none();
         self.drop_console_of_a_lost_page();
         let is_in_control = self.senders.serve(&mut self.session, admits)?;
         self.pass_on_answers();
@@ -346,6 +357,7 @@ impl ControllerThread {
             left: self.feeder.left(tick_rate),
             held: self.feeder.held().and_then(|_| self.feeder.line()),
             pause: self.feeder.pause(),
+            pen: self.pen_widths(),
             run_on: self.run_on,
             feed: self.feeder.feed(),
         }));

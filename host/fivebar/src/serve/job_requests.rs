@@ -307,6 +307,18 @@ impl ControllerThread {
                 }
                 return;
             }
+            Prepared::Macro(read) => {
+                if asked_by.is_none() {
+                    self.start_macro(read);
+                }
+                self.go_on_with_job(asked_by);
+                return;
+            }
+            Prepared::Line(to, found) => {
+                self.tell_line(to, found);
+                self.go_on_with_job(asked_by);
+                return;
+            }
             Prepared::Unreadable(message) => {
                 self.loaded = None;
                 self.updates.send_job(message);
@@ -338,7 +350,19 @@ impl ControllerThread {
         }
     }
 
-    fn has_control(&self, page: PageId) -> bool {
+    /// Has the loaded job checked and timed behind other work, if its times are not planned yet or a page waits for it.
+    fn go_on_with_job(&mut self, asked_by: Option<(PageId, u32)>) {
+        self.run_asked_by = asked_by;
+        if let Some(loaded) = &self.loaded
+            && (asked_by.is_some() || !loaded.job.is_timed)
+        {
+            let job = Arc::clone(&loaded.job);
+            let start = self.preview.start(&self.session.status);
+            self.jobs.order(Work::Check(job), start);
+        }
+    }
+
+    pub(super) fn has_control(&self, page: PageId) -> bool {
         let lease = &self.pages.shared.lease;
         lease.is_held_by(page, self.session.clock.now())
     }

@@ -9,6 +9,7 @@ use super::wire::numbered::NumberedRequest;
 use fivebar_files::job::{Job, JobOptions, JobReader, Placement};
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::{Kept, Scenario, middle};
+use fivebar_firmware::Move;
 use fivebar_sim::time_optimal::JobPlanner;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -45,6 +46,10 @@ pub(super) enum Work {
     Fit(Arc<ParsedJob>),
     /// Check a job again, because the arm has moved.
     Check(Arc<ParsedJob>),
+    /// Read a macro of the robot file, and check it.
+    Macro(PageId, String),
+    /// Look for the line of a job that draws nearest to this point [m].
+    LineAt(PageId, Arc<ParsedJob>, [f32; 2]),
     /// Plan the rest of a time-optimal job from this place [m] on one of its parts on.
     Rest(Arc<ParsedJob>, usize, [f32; 2]),
 }
@@ -83,6 +88,10 @@ pub(super) enum Prepared {
         /// Where the rest begins [m].
         place: [f32; 2],
     },
+    /// A macro.
+    Macro(ReadMacro),
+    /// A page's line of the job, and where the tool is before it [m]; none if the job draws nothing.
+    Line(PageId, Option<(u32, [f32; 2])>),
     /// The times of a job that was prepared before.
     Times {
         /// The job with its times.
@@ -94,6 +103,17 @@ pub(super) enum Prepared {
     Unreadable(Utf8Bytes),
     /// The page's message is no job, for this reason.
     NoJob(PageId, String),
+}
+
+/// A macro that was read and checked.
+pub(super) struct ReadMacro {
+    /// The page that asked for it.
+    pub(super) page: PageId,
+    pub(super) name: String,
+    /// Where it was checked from.
+    pub(super) start: JobStart,
+    /// Its moves, or why it cannot be done.
+    pub(super) moves: Result<Vec<Move>, String>,
 }
 
 /// A job that can be done, and its message to the pages.
@@ -123,10 +143,10 @@ pub(super) struct JobThread {
 }
 
 /// What the thread prepares jobs with.
-struct Workshop {
-    robot: Robot,
-    preview: Preview,
-    reader: JobReader,
+pub(super) struct Workshop {
+    pub(super) robot: Robot,
+    pub(super) preview: Preview,
+    pub(super) reader: JobReader,
     /// The planner of time-optimal motion; none: the controller plans.
     planner: Option<JobPlanner>,
     /// How files are read.
@@ -276,20 +296,13 @@ impl Workshop {
             Work::Read(job) => parsed(&job, self.read_again(&job)),
             Work::Fit(job) => parsed(&job, self.fitted(&job)),
             Work::Rest(job, part, place) => {
-                let from = start.at(place);
-                let rest = job.rest(part, place);
-                let planned = self.planner.as_ref().map_or_else(
-                    || Err("The server plans no motion.".into()),
-                    |planner| rest.planned(planner, &self.preview, from),
-                );
-                let timed =
-                    |job: ParsedJob| job.timed(&self.preview, from, &|| true).unwrap_or(job);
-                let rest = Prepared::Rest {
-                    job: planned.map(|job| Arc::new(timed(job))),
-                    start,
-                    place,
-                };
-                return (rest, None);
+                return (self.rest(&job, part, place, start), None);
+            }
+            Work::Macro(page, name) => {
+                return (Prepared::Macro(self.read_macro(page, name, start)), None);
+            }
+            Work::LineAt(page, job, point) => {
+                return (Prepared::Line(page, job.line_at(point)), None);
             }
             Work::Load(page, source) => match self.load(page, source, start) {
                 Ok(job) => Arc::new(job),
@@ -326,6 +339,22 @@ impl Workshop {
         };
         let untimed = message.refusal.is_none().then_some((job, message));
         (prepared, untimed)
+    }
+
+    /// The rest of a time-optimal job.
+    fn rest(&self, job: &ParsedJob, part: usize, place: [f32; 2], start: JobStart) -> Prepared {
+        let from = start.at(place);
+        let rest = job.rest(part, place);
+        let planned = self.planner.as_ref().map_or_else(
+            || Err("The server plans no motion.".into()),
+            |planner| rest.planned(planner, &self.preview, from),
+        );
+        let timed = |job: ParsedJob| job.timed(&self.preview, from, &|| true).unwrap_or(job);
+        Prepared::Rest {
+            job: planned.map(|job| Arc::new(timed(job))),
+            start,
+            place,
+        }
     }
 
     /// The times of a job, planned while `goes_on` returns true.
@@ -462,7 +491,7 @@ impl Workshop {
     }
 
     /// The moves of a job that was read, for the arm where it is; why it has none.
-    fn parsed(
+    pub(super) fn parsed(
         &self,
         name: &str,
         text: Arc<str>,
@@ -481,7 +510,7 @@ impl Workshop {
 }
 
 /// What an error says, as a sentence.
-fn sentence(error: impl std::fmt::Display) -> String {
+pub(super) fn sentence(error: impl std::fmt::Display) -> String {
     let mut sentence = format!("{error}.");
     if let Some(first) = sentence.get_mut(..1) {
         first.make_ascii_uppercase();

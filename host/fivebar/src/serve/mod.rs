@@ -27,6 +27,7 @@
 //! | `job_thread`, `parsed_job` | the thread that reads, checks and plans jobs; a job |
 //! | `mode_thread` | the thread that plans changes of the working mode |
 //! | `preview`, `strokes`, `trail` | the arm, its jobs and what it draws as lines |
+//! | `pen`, `macros`, `line_at` | the pen's heights; the robot file's macros; the line under a pointer |
 //! | `console` | the page whose console sends G-code |
 //! | `stops` | what stops do |
 //! | `wire` | what passes between pages and controller: messages, stops, the lease, the channels |
@@ -49,10 +50,13 @@ mod guard;
 mod held_motion;
 mod job_requests;
 mod job_thread;
+mod line_at;
+mod macros;
 mod maps;
 mod mode_thread;
 mod move_feeder;
 mod parsed_job;
+mod pen;
 mod preview;
 #[cfg(test)]
 mod random_messages;
@@ -71,6 +75,7 @@ mod wire;
 pub use error::ServeError;
 pub use guard::Guard;
 
+use crate::pen_heights::KeepValues;
 use crate::senders::{Endpoints, Listen};
 use controller_thread::ControllerThread;
 use fivebar_files::job::JobReader;
@@ -93,6 +98,8 @@ pub struct ServeOptions {
     /// Run jobs as time-optimal motions with this share of the torque limits, 0 to 1; none: the
     /// controller plans them.
     pub time_optimal: Option<f64>,
+    /// Writes what pages keep to the robot file.
+    pub keep: KeepValues,
     /// What reads the pages' jobs.
     pub jobs: JobReader,
     /// The time of the simulated arm, and of all that pages and server promise each other.
@@ -131,7 +138,7 @@ pub fn serve(
         session,
         senders,
         robot.clone(),
-        (options.jobs, planner),
+        (options.jobs, planner, options.keep),
         controller_end,
         updates,
     )?;

@@ -281,18 +281,21 @@ impl MoveFeeder {
     /// Replaces a target that the controller has not accepted yet by several moves to one.
     pub(super) fn set_way(&mut self, moves: impl IntoIterator<Item = MoveKind>) {
         let (tag, tool) = (0, 0);
-        let moves = moves.into_iter();
-        self.target = moves.map(|kind| Move { tag, tool, kind }).collect();
+        self.set_moves(moves.into_iter().map(|kind| Move { tag, tool, kind }));
+    }
+
+    /// Replaces a target that the controller has not accepted yet by moves, with the levels of the tool.
+    pub(super) fn set_moves(&mut self, moves: impl IntoIterator<Item = Move>) {
+        self.target = moves.into_iter().collect();
     }
 
     /// Puts the tool down or lifts it while the arm rests. The next target lifts it.
     pub(super) fn set_pen(&mut self, is_down: bool) {
-        self.target = [Move {
+        self.set_moves([Move {
             tag: 0,
             tool: if is_down { FULL_TOOL } else { 0 },
             kind: MoveKind::Dwell { duration: PEN_TIME },
-        }]
-        .into();
+        }]);
     }
 
     /// Whether no target waits, and the arm is where the last one led.

@@ -71,6 +71,7 @@ impl ClientRequest {
             | Self::Read(_)
             | Self::Place(_)
             | Self::Fit
+            | Self::LineAt(_)
             | Self::RunOn(_)
             | Self::Feed(_) => false,
             Self::Request(_)
@@ -83,6 +84,9 @@ impl ClientRequest {
             | Self::Renew(_)
             | Self::Pen(_)
             | Self::Teach(_)
+            | Self::PenHeight { .. }
+            | Self::KeepPen
+            | Self::Macro(_)
             | Self::Mode(_)
             | Self::Console(_)
             | Self::Frame
@@ -176,6 +180,12 @@ impl ControllerThread {
                         ..Handled::by(outcome)
                     });
                 }
+                if in_control && let Some(outcome) = self.try_pen(page.id, request)? {
+                    return Ok(Handled {
+                        has_asked: true,
+                        ..Handled::by(outcome)
+                    });
+                }
                 let held_by = HeldBy::new(event, *number);
                 self.handle_request(&page, event.received, in_control, request.clone(), held_by)
             }
@@ -215,7 +225,9 @@ impl ControllerThread {
             ClientRequest::Control => self.give_control(page, received),
             _ if !in_control => Err("This page watches: take control first.".into()),
             // `handle` has asked the controller.
-            ClientRequest::Request(_) => Ok(()),
+            ClientRequest::Request(_)
+            | ClientRequest::PenHeight { .. }
+            | ClientRequest::KeepPen => Ok(()),
             ClientRequest::Console(line) => self.send_to_console(page.id, line),
             ClientRequest::RunOn(on) => {
                 self.run_on = on;
@@ -239,6 +251,8 @@ impl ControllerThread {
             ClientRequest::Read(reading) => self.read_again(reading),
             ClientRequest::Fit => self.place_job(Work::Fit),
             ClientRequest::Frame => self.go_around(),
+            ClientRequest::LineAt(point) => self.look_for_line(page, point),
+            ClientRequest::Macro(name) => self.do_macro(page, &name),
             ClientRequest::Run => self.run_job(page, 0),
             ClientRequest::RunFrom(line) => self.run_job(page, line),
             ClientRequest::Resume => self.resume_job(page),
@@ -327,6 +341,9 @@ impl ControllerThread {
                 "A fault was cleared a moment ago: look at the arm, wait a second, then ask again."
                     .into(),
             ));
+        }
+        if powers && let Err(why) = self.end_pen_trial()? {
+            return Ok(Err(why));
         }
         let answer = self.session.request(request)?;
         if request == Request::ClearFault && answer.is_ok() {

@@ -33,7 +33,7 @@ type Asset = (&'static str, &'static str, &'static str);
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-const ASSETS: [Asset; 30] = [
+const ASSETS: [Asset; 32] = [
     (
         "/",
         "text/html; charset=utf-8",
@@ -63,6 +63,8 @@ const ASSETS: [Asset; 30] = [
     ("/files.js", SCRIPT, include_str!("page/files.js")),
     ("/hold.js", SCRIPT, include_str!("page/hold.js")),
     ("/inspect.js", SCRIPT, include_str!("page/inspect.js")),
+    ("/macros.js", SCRIPT, include_str!("page/macros.js")),
+    ("/pen.js", SCRIPT, include_str!("page/pen.js")),
     ("/placement.js", SCRIPT, include_str!("page/placement.js")),
     ("/keys.js", SCRIPT, include_str!("page/keys.js")),
     ("/layers.js", SCRIPT, include_str!("page/layers.js")),

@@ -31,6 +31,7 @@ mod linkage;
 mod new;
 #[cfg(unix)]
 mod other_release;
+mod pen;
 mod photo;
 mod placement;
 mod plan;

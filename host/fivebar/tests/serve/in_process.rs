@@ -14,9 +14,9 @@ use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::io::Read as _;
 use std::net::{SocketAddr, TcpStream};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use tungstenite::client::IntoClientRequest as _;
@@ -44,6 +44,8 @@ pub(crate) struct Server {
     token: String,
     ends: Arc<AtomicBool>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
+    /// What pages have kept in the robot file.
+    pub(crate) kept: Arc<Mutex<Vec<String>>>,
 }
 
 impl Server {
@@ -79,12 +81,21 @@ impl Server {
         let ends = Arc::new(AtomicBool::new(false));
         let (ready, at) = mpsc::channel();
         let (time, end) = (clock.clone(), Arc::clone(&ends));
+        let kept = Arc::<Mutex<Vec<String>>>::default();
+        let keeps = Arc::clone(&kept);
         let thread = std::thread::spawn(move || {
             let options = ServeOptions {
                 address: "127.0.0.1:0".parse().expect("an address"),
                 guard,
                 senders: for_pages(None),
                 time_optimal,
+                keep: Box::new(move |values| {
+                    let lines = values
+                        .iter()
+                        .map(|one| format!("{:?} = {}", one.key, one.value));
+                    keeps.lock().expect("no panic").extend(lines);
+                    Ok(())
+                }),
                 jobs,
                 clock: time.clone(),
             };
@@ -106,6 +117,7 @@ impl Server {
             token,
             ends,
             thread: Some(thread),
+            kept,
         }
     }
 
@@ -209,7 +221,8 @@ impl Page {
         if self.unread.is_empty() {
             let before = self.tick;
             self.pass(SAMPLED);
-            while self.tick <= before {
+            // New settings make the controller count its ticks anew.
+            while self.tick == before {
                 let message = self.read();
                 self.unread.push_back(message);
             }

@@ -11,6 +11,7 @@ mod in_process;
 mod kinds;
 mod lost_page;
 mod own_job;
+mod pen_heights;
 mod placing;
 mod state;
 mod stops;

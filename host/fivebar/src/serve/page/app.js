@@ -11,7 +11,9 @@ import { Hold } from "./hold.js";
 import { Inspect } from "./inspect.js";
 import { listen } from "./keys.js";
 import { WorkspaceMap } from "./map.js";
+import { showMacros } from "./macros.js";
 import { nextStep, put, showFault, showJob, showNotice, showNumbers, stateText, whyNot } from "./panel.js";
+import { PenHeights } from "./pen.js";
 import { PlacementFields } from "./placement.js";
 import { Plot } from "./plots.js";
 import { listenToReading, showReading } from "./reading.js";
@@ -46,6 +48,8 @@ const recording = new Recording();
 const replay = new Replay(recording, drawing, redraw);
 new Inspect(at("arm"), drawing, recording, at("under"));
 const placement = new PlacementFields(place);
+const penHeights = new PenHeights((pen, width) => send({ pen_height: { pen, width } }));
+showMacros(arm.macros);
 let me = null; // this page's number
 let elbows = null; // the sides of the arm's elbows
 let chosen = null; // the branch whose map is shown
@@ -71,6 +75,7 @@ function receive(message) {
   }
   if (message.state) showState(message.state);
   if (message.notice && (message.notice.to ?? me) === me) showNotice(message.notice.text, message.notice.refused);
+  if (message.line?.to === me) showLine(message.line);
   if (message.console?.to === me) terminal.answer(message.console.text);
   if ("fault" in message) {
     fault = message.fault;
@@ -79,6 +84,7 @@ function receive(message) {
   if (message.job) {
     const isNew = drawing.job?.name !== message.job.name;
     drawing.job = loaded = message.job;
+    drawing.begins = null;
     at("file").value = "";
     if (isNew) {
       at("from").value = 1;
@@ -120,6 +126,7 @@ function showState(state) {
   showStateText(state.state, stateText(state, watching));
   document.body.classList.toggle("watching", watching);
   showNumbers(state, me);
+  penHeights.show(state.pen);
   showControls();
   if (state.elbows && String(state.elbows) !== elbows) {
     elbows = String(state.elbows);
@@ -147,15 +154,16 @@ function showState(state) {
 
 // The name by which `whyNot` knows a control.
 function nameOf(control) {
-  const { request, jog, turn, place, pen } = control.dataset;
+  const { request, jog, turn, place, pen, macro } = control.dataset;
   if (request) return request;
   if (jog || turn) return "jog";
   if (pen) return "pen";
-  return place || control.id === "grab" || control.id === "fit" ? "place" : control.id;
+  if (macro) return "macro";
+  return place || ["grab", "fit", "pick"].includes(control.id) ? "place" : control.id;
 }
 
 // The controls that move the arm, or power its motors.
-const MOVING = ["home", "arm", "clear_fault", "control", "frame", "run", "run-from", "resume", "jog", "pen", "lead", "change", "send"];
+const MOVING = ["home", "arm", "clear_fault", "control", "frame", "run", "run-from", "resume", "jog", "pen", "lead", "macro", "change", "send"];
 const controls = [...document.querySelectorAll("#panel button:not([data-mode])")];
 const modes = [...document.querySelectorAll("[data-mode]")];
 const controlOf = (name) => document.querySelector(`[data-request="${name}"]`) ?? at(name);
@@ -317,6 +325,21 @@ function setGrab(on) {
   if (on) showNotice("Drag the drawing, or a corner to scale it; or use the buttons and fields below “Move drawing”.");
 }
 
+// The next click on the drawing chooses the line at which the job begins.
+function setPick(on) {
+  drawing.picks = on;
+  at("pick").setAttribute("aria-pressed", on);
+  if (on) showNotice("Click on the drawing, where the job shall begin.");
+}
+
+function showLine({ line, at: place }) {
+  setPick(false);
+  at("from").value = line;
+  drawing.begins = place;
+  showNotice(`The job can begin at line ${line}, at the mark: press “Run from line”.`);
+  redraw();
+}
+
 const ACTIONS = {
   control: () => send("control"),
   run: () => send("run"),
@@ -333,6 +356,8 @@ const ACTIONS = {
   grab: () => setGrab(!drawing.grabs),
   frame: () => send("frame"),
   lead: () => send({ teach: last.state !== "Compliant" }),
+  pick: () => setPick(!drawing.picks),
+  "keep-pen": () => send("keep_pen"),
   demonstration: async () => {
     const answer = await fetch("demonstration.gcode");
     load("the demonstration", await answer.text());
@@ -348,7 +373,7 @@ function zoom(how) {
 }
 
 function act(button, event) {
-  const { request, jog: direction, turn, pen, place: where, zoom: how, mode, colouring } = button.dataset;
+  const { request, jog: direction, turn, pen, macro, place: where, zoom: how, mode, colouring } = button.dataset;
   const name = nameOf(button);
   const isMeant = clicks.admits(name, button, event);
   // What this page last received keeps no stop back.
@@ -363,6 +388,7 @@ function act(button, event) {
   else if (direction) jog(...stepsOf(direction));
   else if (turn) jogJoint(...turnOf(turn));
   else if (pen) send({ pen });
+  else if (macro) send({ macro });
   else if (where) {
     const [x, y, scale, degrees] = where.split(",").map(Number);
     if (drawing.jobMiddle) place(drawing.jobMiddle, [x * SHIFT, y * SHIFT], scale, degrees);
@@ -428,6 +454,7 @@ drag.onStart = () => showNotice("");
 drag.onFollow = (point) => connection.send({ follow: point });
 drag.onTurn = (joint, angle) => connection.send({ turn: { joint, to: angle } });
 drag.onPlace = ({ about, by, scale }) => place(about, by, scale, 0);
+drag.onPick = (point) => send({ line_at: point });
 drag.onView = redraw;
 
 at("name").textContent = arm.name;

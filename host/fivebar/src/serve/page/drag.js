@@ -7,7 +7,7 @@ const INTERVAL = 40; // ms between two targets of a drag
 export class DragHandler {
   #canvas;
   #drawing;
-  #held = null; // "tool", "theta1", "theta4", "job", "corner" or "view"
+  #held = null; // "tool", "theta1", "theta4", "job", "corner", "pick" or "view"
   #pivot = null; // the corner opposite to the one that is dragged [m]
   #sent = 0; // ms
   #from = null; // where the drag of drawing or view began [m], [px]
@@ -16,6 +16,7 @@ export class DragHandler {
   onFollow = () => {};
   onTurn = () => {};
   onPlace = () => {};
+  onPick = () => {};
   onView = () => {};
 
   constructor(canvas, drawing) {
@@ -51,6 +52,7 @@ export class DragHandler {
       .map(([name, point]) => ({ name, distance: drawing.distance(point, position) }))
       .filter(({ distance }) => distance <= GRAB_RADIUS)
       .sort((one, other) => one.distance - other.distance);
+    if (drawing.picks) return "pick";
     if (drawing.grabs) {
       const corners = drawing.jobCorners;
       const corner = corners.findIndex((corner) => drawing.distance(corner, position) <= GRAB_RADIUS / 2);
@@ -91,6 +93,7 @@ export class DragHandler {
       this.onView();
       return;
     }
+    if (this.#held === "pick") return;
     const [x, y] = drawing.position(event);
     if (this.#held === "job") {
       drawing.placed = { ...UNMOVED, by: [x - this.#from[0], y - this.#from[1]] };
@@ -124,6 +127,7 @@ export class DragHandler {
 
   #finish(event) {
     this.#move(event, true);
+    if (this.#held === "pick") this.onPick(this.#drawing.position(event));
     if (this.#held === "job" || this.#held === "corner") this.onPlace(this.#drawing.placed);
     this.#cancel(event);
   }

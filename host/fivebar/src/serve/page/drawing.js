@@ -29,6 +29,8 @@ export class Drawing {
   jobBox = null; // lower left and upper right corner of what the job draws [m]
   placed = UNMOVED; // how the drawing is placed anew while it is dragged
   grabs = false; // whether a drag moves the drawing
+  picks = false; // whether a click chooses where the job begins
+  begins = null; // where it does [m]
   target = null; // where the pointer drags [m]
 
   constructor(canvas, arm, map) {
@@ -250,6 +252,7 @@ export class Drawing {
     const isWhole = this.#layers.job.draw(context, view, `${this.#paths} ${path}`, passes.length * length, paint);
     context.restore();
     if (this.job?.at) this.#cross(this.job.at);
+    if (this.begins) this.#dot(this.begins, "--busy", 6);
     if (this.grabs && this.jobBox) {
       const corners = this.jobCorners.map((corner) => corner.map((u, axis) => about[axis] + scale * (u - about[axis]) + by[axis]));
       context.setLineDash([6, 4]);

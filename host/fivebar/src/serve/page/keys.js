@@ -2,7 +2,7 @@
 import { connection } from "./emergency.js";
 
 // Controls that move the arm or switch its motors on: they are pressed by Enter, so that Space stops there.
-const MOVING = "[data-request], [data-jog], [data-turn], [data-pen], #lead, #frame, #run, #run-from, #resume, #change, #send, #next";
+const MOVING = "[data-request], [data-jog], [data-turn], [data-pen], [data-macro], #lead, #frame, #run, #run-from, #resume, #change, #send, #next";
 
 // Listens to keys. `stop` stops the arm; `keys` and `shiftKeys` have an action for each other key, and `held` gets the
 // event of a key that may be held for a motion. Returns a function that mutes the keys that are down.

@@ -52,7 +52,7 @@ export function whyNot(control, state, job) {
     case "clear_fault": return name === "Fault" ? null : "there is no fault";
     case "jog": case "change":
       return isJob ? "a job runs" : armed || running ? null : `the state is “${word(state)}”`;
-    case "pen":
+    case "pen": case "macro":
       return isJob ? "a job runs" : armed ? null : running ? "the arm moves" : "the motors are off";
     case "lead":
       return isJob ? "a job runs" : armed || name === "Compliant" ? null : running ? "the arm moves" : "the motors are off";

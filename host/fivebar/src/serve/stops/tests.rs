@@ -91,7 +91,7 @@ impl Rig {
             session,
             senders,
             robot(),
-            (JobReader::default(), None),
+            (JobReader::default(), None, Box::new(|_| Ok(()))),
             controller,
             updates,
         );

@@ -59,6 +59,17 @@ pub(in crate::serve) enum ClientRequest {
     Pen(PenPosition),
     /// Let a hand lead the arm; false: hold it, and take what was taught as the job.
     Teach(bool),
+    /// Hold the pen's servo at another width of its pulse while the motors are off.
+    PenHeight {
+        /// The height that is tried.
+        pen: PenPosition,
+        /// The width [s].
+        width: f64,
+    },
+    /// Keep the pen's heights that were tried.
+    KeepPen,
+    /// Do the lines of the robot file with this name.
+    Macro(String),
     /// Send a line of G-code, or a command of Grbl.
     Console(String),
     /// Change to this working mode (the sides of elbows 1 and 4) with the same position of
@@ -81,6 +92,8 @@ pub(in crate::serve) enum ClientRequest {
     Frame,
     /// Run the loaded job.
     Run,
+    /// Say at which line the loaded job draws nearest to this point [m].
+    LineAt([f64; 2]),
     /// Run it from this line on.
     RunFrom(u32),
     /// Go on with the job at the place where it was stopped.
@@ -204,6 +217,15 @@ pub(in crate::serve) enum ServerMessage<'a> {
         /// Why it was refused; none: it was accepted.
         refused: Option<String>,
     },
+    /// The line of the job that draws nearest to a point.
+    Line {
+        /// The page that asked.
+        to: PageId,
+        /// The line.
+        line: u32,
+        /// Where the tool comes down to begin there [m].
+        at: [f32; 2],
+    },
     /// Answers to the lines of a page's console.
     Console {
         /// The page.
@@ -259,6 +281,9 @@ pub(in crate::serve) struct StateMessage<'a> {
     pub(in crate::serve) held: Option<u32>,
     /// The pause at which the job waits for its user.
     pub(in crate::serve) pause: Option<&'a str>,
+    /// The widths of the servo's pulse with the pen up and down, those that are tried if there are some [s]; none without
+    /// a servo.
+    pub(in crate::serve) pen: Option<[f32; 2]>,
     /// Whether the job runs on when no page is in control.
     pub(in crate::serve) run_on: bool,
     /// The share of the job's feed rates.
@@ -353,7 +378,7 @@ mod tests {
     fn every_request_in_the_document_is_read_and_every_kind_has_an_example() {
         let (_, rest) = DOCUMENT.split_once("```json\n").unwrap();
         let (examples, _) = rest.split_once("```").unwrap();
-        let mut seen = [false; 22];
+        let mut seen = [false; 26];
         for example in examples.lines() {
             let read: NumberedRequest = serde_json::from_str(example).expect(example);
             let kind = match read.request {
@@ -378,11 +403,15 @@ mod tests {
                 ClientRequest::Fit => 18,
                 ClientRequest::Frame => 19,
                 ClientRequest::Read(_) => 20,
-                ClientRequest::Teach(_) => 21,
+                ClientRequest::PenHeight { .. } => 21,
+                ClientRequest::KeepPen => 22,
+                ClientRequest::Macro(_) => 23,
+                ClientRequest::LineAt(_) => 24,
+                ClientRequest::Teach(_) => 25,
             };
             seen[kind] = true;
         }
-        assert_eq!(seen, [true; 22]);
+        assert_eq!(seen, [true; 26]);
     }
 
     #[test]
@@ -407,6 +436,7 @@ mod tests {
             left: None,
             held: None,
             pause: None,
+            pen: None,
             run_on: false,
             feed: 1.0,
         };

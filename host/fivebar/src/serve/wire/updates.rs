@@ -67,9 +67,9 @@ impl Updates {
             ServerMessage::Fault(_) => Item::Fault(text),
             ServerMessage::Job(_) => Item::Job(text),
             ServerMessage::Notice { to, .. } => Item::Notice((*to, text)),
-            ServerMessage::Console { to, .. } | ServerMessage::Answer { to, .. } => {
-                Item::Notice((Some(*to), text))
-            }
+            ServerMessage::Console { to, .. }
+            | ServerMessage::Line { to, .. }
+            | ServerMessage::Answer { to, .. } => Item::Notice((Some(*to), text)),
             ServerMessage::Stopped(_) => Item::Notice((None, text)),
         });
     }
