@@ -89,8 +89,8 @@ fn the_same_where_the_other_half_has_to_be_erased() {
     save(&mut bench, &settings);
     // The settings are in the first half; the second one holds something else.
     let mut before = bench.line.chip().flash().to_vec();
-    for at in MIDDLE..END {
-        before[at] = ((at as u32).wrapping_mul(2_654_435_761) >> 24) as u8;
+    for (at, byte) in (MIDDLE as u32..).zip(&mut before[MIDDLE..END]) {
+        *byte = (at.wrapping_mul(2_654_435_761) >> 24) as u8;
     }
     bench.start_with(&before);
     let events = save(&mut bench, &changed(&settings));
