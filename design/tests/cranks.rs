@@ -114,34 +114,43 @@ fn whole_table_of_200_specifications_with_a_range_of_the_cranks() {
 fn a_crank_that_leaves_its_range_in_a_corner_is_refuted() {
     let arm = [0.1, 0.16, 0.16, 0.1, 0.08];
     assert!(CrankRange::new([0.5, 0.505]).is_none() && CrankRange::new([0.0, 3.2]).is_none());
-    let answer = |least: f64| {
+    let proved = |least: f64, place: [f64; 2]| {
         let specification = Specification {
-            link_sum: 0.3,
-            base: [0.08, 0.08],
-            cranks: CrankRange::new([least, 3.0]),
-            objective: Objective::Dexterity(0.05),
+            cranks: CrankRange::new([least, least + 2.5]),
             ..leg(1.0, 0.1)
         };
-        Study::new(&specification, 1).prove(arm, 0.05, [0.0, 0.14])
+        Study::new(&specification, 1).prove(arm, SIDE, place)
     };
     let geometry = Geometry::new(arm).unwrap();
     let mode = WorkingMode::new(Side::Right, Side::Left);
-    let angle = |x: f64, y: f64| {
-        geometry
-            .inverse(Vector2::new(0.04 + x, y), mode)
-            .unwrap()
-            .angles()[0]
+    let least_at = |x: f64, y: f64| {
+        let pose = geometry.inverse(Vector2::new(0.04 + x, y), mode);
+        let [theta1, _, _, theta4] = pose.unwrap().angles();
+        [theta1, PI - theta4]
     };
-    // θ1 is the least at a corner or on the rim, here by samples of it.
-    let rim = (0..=10_000).map(|i| f64::from(i) / 10_000.0);
-    let least = rim.flat_map(|t| {
-        [
-            angle(t * 0.05 - 0.025, 0.14),
-            angle(t * 0.05 - 0.025, 0.19),
-            angle(0.025, 0.14 + 0.05 * t),
-        ]
-    });
-    let least = least.fold(f64::INFINITY, f64::min);
-    assert_eq!(answer(least - 1e-6), Proof::Proved);
-    assert!(matches!(answer(least + 1e-6), Proof::Refuted(_)));
+    // Aside, one crank turns farther than the other one.
+    for (x, leg) in [(0.03, 0), (-0.03, 1)] {
+        let (left, low) = (x - 0.5 * SIDE, 0.14);
+        let rim = (0..=10_000).map(|i| SIDE * f64::from(i) / 10_000.0);
+        let rim = rim.flat_map(|t| {
+            [
+                least_at(left + t, low),
+                least_at(left + t, low + SIDE),
+                least_at(left, low + t),
+                least_at(left + SIDE, low + t),
+            ]
+        });
+        let least = rim.fold([f64::INFINITY; 2], |least, angles| {
+            [least[0].min(angles[0]), least[1].min(angles[1])]
+        });
+        assert!(least[leg] < least[1 - leg] - 0.1, "{least:?}");
+        assert_eq!(proved(least[leg] - 1e-6, [x, low]), Proof::Proved);
+        assert!(matches!(
+            proved(least[leg] + 1e-6, [x, low]),
+            Proof::Refuted(_)
+        ));
+    }
 }
+
+/// Of a square [m].
+const SIDE: f64 = 0.05;

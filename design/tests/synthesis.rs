@@ -3,8 +3,7 @@
 use fivebar_design::Noise;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm, ToolState, analyse};
 use fivebar_design::synthesis::{
-    Area, Design, Measure, Objective, Proof, Specification, Study, Synthesis, Tolerance, prove,
-    synthesise,
+    Area, Design, Measure, Objective, Proof, Specification, Synthesis, Tolerance, prove, synthesise,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
