@@ -33,8 +33,10 @@ impl StreamMode {
 }
 
 /// What becomes of a stream of the joints or the tip with a point that a limit keeps the arm from.
+// Four bytes: a message with an odd one is copied by a call in the interrupt that receives it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u32)]
 pub enum StreamPolicy {
     /// The arm stops before it, and the stream ends.
     #[default]

@@ -5,7 +5,7 @@ use super::frame::{Message, Sender};
 use super::section::{Section, SectionKey};
 use super::sequence::Sequence;
 use crate::drives::BrushedSample;
-use crate::motion::{Fixture, Impedance, StreamConfig, StreamPoint};
+use crate::motion::{Fixture, StreamConfig, StreamPoint};
 use crate::recorder::LogConfig;
 use crate::{ArmSample, Move, Request};
 use serde::de::DeserializeOwned;
@@ -90,6 +90,4 @@ pub enum HostCommand<S = BrushedSample> {
         /// None: there is none.
         fixture: Option<Fixture>,
     },
-    /// Change the springs and dampers of the stream with an impedance that is in progress, in 0.1 s.
-    SetImpedance(Impedance),
 }

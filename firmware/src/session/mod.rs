@@ -264,10 +264,6 @@ impl Session {
                 Ok(Reply::Done)
             }
             HostCommand::SetFixture { place, fixture } => set_fixture(planner, place, fixture),
-            HostCommand::SetImpedance(impedance) => planner
-                .set_impedance(controller, &impedance)
-                .map(|()| Reply::Done)
-                .map_err(CommandError::Stream),
         };
         outcome.unwrap_or_else(Reply::Refused)
     }

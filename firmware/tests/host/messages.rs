@@ -99,7 +99,6 @@ pub(crate) fn host_message() -> impl Strategy<Value = HostMessage> {
         stream_config().prop_map(HostCommand::BeginStream),
         stream_point().prop_map(HostCommand::Point),
         Just(HostCommand::EndStream),
-        impedance().prop_map(HostCommand::SetImpedance),
         (any::<u8>(), prop::option::of(fixture()))
             .prop_map(|(place, fixture)| HostCommand::SetFixture { place, fixture }),
     ];

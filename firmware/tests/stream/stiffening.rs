@@ -10,10 +10,18 @@ use nalgebra::Vector2;
 /// Of the hand's grip [N/m], [N·s/m].
 const GRIP: (f64, f64) = (400.0, 4.0);
 
-fn soft(k: f32) -> Impedance {
-    Impedance {
+/// A stream with a spring, or a change of it.
+fn config(k: f32) -> StreamConfig {
+    let spring = Impedance {
         stiffness: (k, 0.0, k),
         damping: (0.0, 0.0, 0.0),
+    };
+    StreamConfig {
+        id: 1,
+        mode: StreamMode::Impedance(spring),
+        period: 100,
+        delay: 200,
+        policy: StreamPolicy::Stop,
     }
 }
 
@@ -31,14 +39,7 @@ struct Gripped {
 impl Gripped {
     fn begin(k: f32) -> Self {
         let mut rig = Rig::armed(&settings());
-        let config = StreamConfig {
-            id: 1,
-            mode: StreamMode::Impedance(soft(k)),
-            period: 100,
-            delay: 200,
-            policy: StreamPolicy::Stop,
-        };
-        let begun = rig.planner.begin_stream(&mut rig.controller, &config);
+        let begun = rig.planner.begin_stream(&mut rig.controller, &config(k));
         assert_eq!(begun, Ok(()));
         let rest = rig.bench.tool().into();
         let geometry = Geometry::new(settings().lengths.map(f64::from)).unwrap();
@@ -54,7 +55,7 @@ impl Gripped {
     fn set(&mut self, k: f32) -> Result<(), StreamError> {
         self.rig
             .planner
-            .set_impedance(&mut self.rig.controller, &soft(k))
+            .begin_stream(&mut self.rig.controller, &config(k))
     }
 
     /// A tick in which the hand is so far out [m]. Gives its force along x [N].
@@ -166,8 +167,18 @@ fn a_spring_that_changes_gives_a_hand_no_more_than_the_tanks_depth() {
 #[test]
 fn changes_that_are_not_passive_or_have_no_stream_are_refused_and_the_spring_stays() {
     let mut rig = Rig::armed(&settings());
-    let alone = rig.planner.set_impedance(&mut rig.controller, &soft(20.0));
-    assert_eq!(alone, Err(StreamError::NoImpedance));
+    let tip = StreamConfig {
+        mode: StreamMode::Tip,
+        ..config(20.0)
+    };
+    let mut begin = |config| rig.planner.begin_stream(&mut rig.controller, &config);
+    assert_eq!(begin(tip), Ok(()));
+    assert_eq!(begin(config(20.0)), Err(StreamError::NoImpedance));
+    let other = StreamConfig {
+        id: 2,
+        ..config(20.0)
+    };
+    assert_eq!(begin(other), Err(StreamError::Moving));
     let mut arm = Gripped::begin(20.0);
     arm.hold(0.0, 150);
     arm.lead(0.0, 0.01);

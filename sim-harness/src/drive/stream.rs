@@ -154,7 +154,7 @@ impl<C: Controlled> Drive<'_, C> {
             let point = match next {
                 Given::Point(point) => streamer.push(point, tick),
                 Given::Spring(impedance) => {
-                    self.set_impedance(impedance)?;
+                    self.set_impedance(streamer.config(), impedance)?;
                     continue;
                 }
                 Given::Nothing => {
@@ -182,9 +182,17 @@ impl<C: Controlled> Drive<'_, C> {
         latest
     }
 
-    /// Changes the springs and dampers of the stream with an impedance in progress.
-    pub(super) fn set_impedance(&mut self, impedance: Impedance) -> Result<(), DriveError> {
-        self.command("change the springs", HostCommand::SetImpedance(impedance))
+    /// Changes the springs and dampers of the stream in progress.
+    pub(super) fn set_impedance(
+        &mut self,
+        stream: &StreamConfig,
+        impedance: Impedance,
+    ) -> Result<(), DriveError> {
+        let config = StreamConfig {
+            mode: StreamMode::Impedance(impedance),
+            ..*stream
+        };
+        self.command("change the springs", HostCommand::BeginStream(config))
     }
 
     /// The status of the arm when it rests.

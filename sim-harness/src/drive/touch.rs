@@ -108,7 +108,7 @@ impl<C: Controlled> Drive<'_, C> {
                         due = tick;
                     }
                 }
-                Given::Spring(impedance) => self.set_impedance(impedance)?,
+                Given::Spring(impedance) => self.set_impedance(config, impedance)?,
                 Given::Nothing => self.controller.pass_time()?,
                 Given::End => return Ok(()),
             }

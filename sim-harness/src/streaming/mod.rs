@@ -109,6 +109,11 @@ impl Streamer {
         }
     }
 
+    /// How the stream has begun.
+    pub fn config(&self) -> &StreamConfig {
+        &self.config
+    }
+
     /// Whether a point may be made in this tick: the points before last longer than the delay otherwise.
     pub fn is_due(&self, tick: u32) -> bool {
         self.pacer.is_due(tick)

@@ -103,18 +103,9 @@ fn a_spring_gives_way_by_the_force_over_its_stiffness_and_pulls_back() {
         "{given} m for {expected} m"
     );
     // Twice as stiff, it gives way half as far; one that is not passive changes nothing.
-    let impedance = |k: f32| Impedance {
-        stiffness: isotropic(k),
-        damping: isotropic(damping),
-    };
-    assert!(does(
-        &mut driven,
-        HostCommand::SetImpedance(impedance(2.0 * stiffness))
-    ));
-    assert!(!does(
-        &mut driven,
-        HostCommand::SetImpedance(impedance(1e6))
-    ));
+    let changed = |k: f32| HostCommand::BeginStream(config(isotropic(k), isotropic(damping)));
+    assert!(does(&mut driven, changed(2.0 * stiffness)));
+    assert!(!does(&mut driven, changed(1e6)));
     for (k, (pull, place)) in [PULL, -PULL].into_iter().zip(&mut pulled).enumerate() {
         let pull = Vector2::new(pull, 0.0);
         spring_at(&mut driven, 130 + 60 * k as u16, home, pull);

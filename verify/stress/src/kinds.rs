@@ -77,9 +77,7 @@ pub(crate) fn kind_of(command: &HostCommand) -> usize {
         },
         HostCommand::BoardTest(_) => 28,
         // Walls are set where a stream begins.
-        HostCommand::BeginStream(_)
-        | HostCommand::SetFixture { .. }
-        | HostCommand::SetImpedance(_) => 29,
+        HostCommand::BeginStream(_) | HostCommand::SetFixture { .. } => 29,
         HostCommand::Point(_) => 30,
         HostCommand::EndStream => 31,
     }

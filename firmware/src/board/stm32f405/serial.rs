@@ -151,6 +151,8 @@ fn start_receiving(stream: &ST, ring: *mut u8) -> bool {
 impl Receiver {
     /// Hands over the bytes received since the last call. For the interrupt, whose flags it
     /// clears.
+    // A function of its own: the bounds of its loops are stated by its name.
+    #[inline(never)]
     pub fn drain(&mut self, mut byte: impl FnMut(u8)) {
         // SAFETY: shared access to the registers; the ring is written by the DMA at the
         // head. If the program is slower than the line, the head passes the tail: frames are

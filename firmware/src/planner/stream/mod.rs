@@ -138,7 +138,8 @@ impl Stream {
 }
 
 impl Planner {
-    /// Begins a stream of set-points, where the arm is held and has nothing to do. The stream before is forgotten.
+    /// Begins a stream of set-points, where the arm is held and has nothing to do. The stream before is forgotten. With the number
+    /// of a stream with an impedance that is in progress, its springs and dampers change.
     ///
     /// # Errors
     /// Why it does not begin; nothing has changed then.
@@ -147,6 +148,12 @@ impl Planner {
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         config: &StreamConfig,
     ) -> Result<(), StreamError> {
+        if let (Some(stream), StreamMode::Impedance(impedance)) = (&self.stream, &config.mode)
+            && stream.is_active()
+            && stream.config.id == config.id
+        {
+            return self.set_impedance(controller, impedance);
+        }
         let snapshot = controller.lock(|controller| controller.planning_snapshot());
         self.follow(&snapshot);
         if !snapshot.state.follows_paths() {

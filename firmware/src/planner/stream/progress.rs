@@ -32,7 +32,7 @@ pub enum StreamError {
     /// The dampers alone would give energy: made smaller by one factor, they are passive at this pose with less than so many N·s/m
     /// together.
     Damping(f32),
-    /// No stream with an impedance is in progress.
+    /// The stream in progress has no impedance that could change.
     NoImpedance,
 }
 
@@ -135,7 +135,7 @@ impl fmt::Display for StreamError {
                 "the dampers together must have less than {most} N·s/m at this pose, or they give energy: make them smaller",
             ),
             Self::NoImpedance => f.write_str(
-                "no stream with an impedance is in progress: begin one first",
+                "the stream in progress has no impedance that could change: end it first",
             ),
             Self::Belts => f.write_str(
                 "the motors are behind belts, and the hand turns the joints: no hand leads this arm",

@@ -68,13 +68,13 @@ impl Planner {
     /// Changes the impedance of the stream in progress, in 0.1 s.
     ///
     /// # Errors
-    /// There is none, or what of it is not passive or means nothing; the springs stay as they are then.
-    pub fn set_impedance(
+    /// It has none, or what of it is not passive or means nothing; the springs stay as they are then.
+    pub(super) fn set_impedance(
         &mut self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         impedance: &Impedance,
     ) -> Result<(), StreamError> {
-        let renders = |stream: &Stream| stream.is_active() && stream.config.mode.renders();
+        let renders = |stream: &Stream| stream.config.mode.renders();
         if !self.stream.as_ref().is_some_and(renders) {
             return Err(StreamError::NoImpedance);
         }

@@ -39,8 +39,8 @@ pub(crate) enum Event {
     BeginStream(StreamPolicy),
     /// The host lets a hand lead the arm.
     BeginFree,
-    /// The host begins a stream with a spring at the tool.
-    BeginImpedance,
+    /// The host begins a stream with a spring at the tool, or changes it.
+    BeginImpedance(Impedance),
     /// So many points of it.
     Points(u16),
     /// A point that is none.
@@ -112,7 +112,6 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
         HostCommand::SaveSettings,
         HostCommand::Telemetry { every: 7 },
         HostCommand::EndStream,
-        HostCommand::SetImpedance(SOFTER),
         HostCommand::BeginLog(LogConfig {
             signals: 0xff,
             every: 1,
@@ -127,7 +126,8 @@ pub(super) fn alphabet<D: ExploredDrives>() -> Vec<Event> {
         BeginStream(StreamPolicy::Stop),
         BeginStream(StreamPolicy::Limit),
         BeginFree,
-        BeginImpedance,
+        BeginImpedance(SPRING),
+        BeginImpedance(SOFTER),
         Points(3),
         Points(20),
         WrongPoint,
@@ -242,8 +242,8 @@ impl<D: ExploredDrives> World<D> {
             }
             Event::BeginStream(policy) => self.begin_stream(StreamMode::Tip, policy),
             Event::BeginFree => self.begin_stream(StreamMode::Free, StreamPolicy::Stop),
-            Event::BeginImpedance => {
-                self.begin_stream(StreamMode::Impedance(SPRING), StreamPolicy::Stop)
+            Event::BeginImpedance(spring) => {
+                self.begin_stream(StreamMode::Impedance(spring), StreamPolicy::Stop)
             }
             Event::Points(points) => self.stream_points(points),
             Event::WrongPoint => self.wrong_point(),
