@@ -55,7 +55,7 @@ pub(super) type Outcome = Result<(), DriveError>;
 pub(super) enum Order {
     /// A call: it answers when it is done.
     Call {
-        task: Task,
+        task: Box<Task>,
         busy: Busy,
         answer: Sender<Outcome>,
     },
@@ -67,6 +67,7 @@ impl Order {
     /// The task of a call, and its answer.
     pub(super) fn new(task: Task, busy: Busy) -> (Self, Receiver<Outcome>) {
         let (answer, waits) = mpsc::channel();
+        let task = Box::new(task);
         (Self::Call { task, busy, answer }, waits)
     }
 }
