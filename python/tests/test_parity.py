@@ -44,6 +44,7 @@ ELSEWHERE = {
     "man": "help()",
     "monitor": "of a controller",
     "new": "asks questions on the terminal",
+    "pen": "of a controller whose motors are off",
     "replay": "of a controller",
     "teach": "of a controller",
     "text": "of the shell: its file is a job",

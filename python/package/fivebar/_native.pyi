@@ -58,6 +58,7 @@ __all__ = [
     "slider_accuracy",
     "statuses",
     "taught_path_as",
+    "taught_rests",
     "workspace",
 ]
 
