@@ -144,6 +144,7 @@ impl Worker {
             let goes_on = stream.send(SetPoint {
                 position,
                 velocity: Some(velocity),
+                force: [0.0; 2],
             });
             if !goes_on || time >= trajectory.time() + HOLD {
                 return done;
