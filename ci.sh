@@ -85,7 +85,7 @@ emulated() {
     local features=("${with_features[@]}" --features fivebar-tests/emulator)
     cargo test "${features[@]}" \
         --test images --test instructions --test emulated_boards --test emulated_drives --test emulated_faults \
-        --test emulated_homing --test emulated_live --test emulated_port --test production_image --test stack --test live_page
+        --test emulated_homing --test emulated_live --test emulated_port --test emulated_streams --test production_image --test stack --test live_page
     cargo test "${features[@]}" --test soak -- board:: replay::
 }
 # Builds the fuzz targets and runs each over its committed inputs.

@@ -270,7 +270,7 @@ MISTAKES = [
     ("an old command answered with the last reply", "session/mod.rs", "SequenceCheck::Old => None,", "SequenceCheck::Old => Some(host.reply.clone()),"),
     ("a tool's position reported for an arm that is not homed", "controller/report.rs", "tool: homed\n                .then(", "tool: (homed || angle[0].is_finite())\n                .then("),
     ("a reference reported with the bridges off", "controller/report.rs", "self.is_powered().then(|| match self.state", "self.begun.then(|| match self.state"),
-    ("an arm held under a fault not watched for its host's silence", "controller/time_slices.rs", "} else if self.abandoned() {", "} else if self.abandoned() && self.state == State::Armed {"),
+    ("an arm held under a fault not watched for its host's silence", "controller/holding_brake.rs", "None if self.abandoned() =>", "None if self.abandoned() && self.state == State::Armed =>"),
     ("joint 4's motor does not cool with the bridges off", "controller/time_slices.rs", "            8 => self.warm(Driven::Joint4),\n            3 | 11", "            8 => self.warm(Driven::Joint1),\n            3 | 11"),
     ("a timed move may begin with another speed", "planner/timed.rs", ".zip(&begins).zip(STEP);", ".zip(&begins).zip(STEP).take(1);"),
     ("other moves taken while a timed motion goes on", "planner/timed.rs", "self.in_motion = open.then_some(end);", "self.in_motion = None;"),
@@ -359,7 +359,7 @@ MISTAKES = [
     ("a crossing that begins under the brakes", "controller/holding_brake.rs", "(frees_itself || self.phase == Phase::Free) && self.ending.is_none()", "true"),
     ("moves taken while the brakes engage", "controller/planning.rs", "self.state == State::Armed && !self.brake.is_ending()", "self.state == State::Armed"),
     ("segments taken while the brakes engage", "controller/planning.rs", "self.state.follows_paths() && !self.brake.is_ending()", "self.state.follows_paths()"),
-    ("index pulses not compared", "controller/tick.rs", "        self.compare_pulses(sample);\n", ""),
+    ("index pulses not compared", "controller/tick.rs", "        self.note_pulses(sample);\n", ""),
     ("index pulses compared with angles that were given", "controller/request.rs", "self.homed_by_index = false;", ""),
     ("joint 1's switch not compared", "controller/time_slices.rs", "                self.compare_switch(0, sample);\n", ""),
     ("joint 4's switch not compared", "controller/time_slices.rs", "                self.compare_switch(1, sample);\n", ""),
@@ -425,6 +425,8 @@ MISTAKES = [
     ("the tail of two components as of one's square", "design/src/statistics.rs", "libm::exp(-0.5 * freedom *", "libm::exp(-freedom *"),
     ("one half of a degree of freedom more in Student's tail", "design/src/statistics.rs", "0.5 * freedom, 0.5)\n}", "0.5 * freedom + 0.5, 0.5)\n}"),
     ("the χ² tail of twice the freedom", "design/src/statistics.rs", "incomplete_gamma(0.5 * freedom,", "incomplete_gamma(freedom,"),
+    ("joint 4's index pulses not compared", "controller/time_slices.rs", "                self.compare_pulse(1);\n", ""),
+    ("an index pulse compared again and again", "controller/index_check.rs", "landmarks.pulse.take()", "landmarks.pulse"),
 ]
 
 

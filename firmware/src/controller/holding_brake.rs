@@ -10,9 +10,9 @@
 //!
 //! Brakes with an engage time of 0 need no order: the bridges go off at once.
 
-use super::ArmController;
 use super::setpoint::Setpoint;
 use super::time_slices::TIME_SLICES;
+use super::ArmController;
 use crate::drives::{Drives, Needs, UnpoweredPlace};
 use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Event, Fault, State};
@@ -280,29 +280,29 @@ impl<D: Drives> ArmController<D> {
         }
     }
 
+    /// The brakes' turn, in which an arm that nobody commands is switched off.
+    #[inline(always)]
+    pub(super) fn turn_brake(&mut self) {
+        match self.brake.ending {
+            Some(event) => self.end_under_brake(event),
+            None if self.abandoned() => self.abandon(),
+            None => self.brake.count_release(),
+        }
+    }
+
     /// Nobody commands the arm: switches it off.
     #[cold]
     #[inline(never)]
-    pub(super) fn abandon(&mut self) {
-        if self.brake.is_ending() {
+    fn abandon(&mut self) {
+        // A silent host is a fault long before, which drops a path that waits and stops an arm that moves.
+        if self.moves() {
             return;
         }
         let failed = self.latched.as_ref().map(|latched| latched.fault) == Some(Fault::BrakeFailed);
         if failed || !self.waits_for_brake() {
             self.pending_off = Some(Fault::CommandTimeout);
         } else {
-            // Every state accepts this event.
-            let _ = self.switch_off(Event::Fault);
-        }
-    }
-
-    /// The brakes' turn.
-    #[inline(always)]
-    pub(super) fn turn_brake(&mut self) {
-        match (self.brake.phase, self.brake.ending) {
-            (Phase::Free | Phase::Engaged, None) => {}
-            (_, None) => self.brake.count_release(),
-            (_, Some(event)) => self.end_under_brake(event),
+            self.brake.ending = Some(Event::Fault);
         }
     }
 

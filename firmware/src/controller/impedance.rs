@@ -13,7 +13,7 @@ use crate::drives::{Drives, Stage};
 use crate::motion::{FIXTURES, StreamPoint};
 use crate::settings::CheckedSettings;
 use fivebar_kinematics::control::{
-    EnergyTank, JointDamping, RenderingLag, Symmetric, TankState, VirtualFixture,
+    EnergyTank, FixturePush, JointDamping, RenderingLag, Symmetric, TankState, VirtualFixture,
 };
 use nalgebra::Vector2;
 
@@ -192,19 +192,17 @@ impl Renderer {
         let mut spring = stiffness.apply(away);
         let mut energy = 0.5 * away.dot(&spring);
         let mut damper = -damping.apply(tool.velocity);
-        // No loop: the bound of the tick's time counts each.
-        let mut add = |fixture: &Option<VirtualFixture<f32>>| {
-            if let Some(fixture) = fixture {
-                let push = fixture.push(tool.place, tool.velocity);
-                spring += push.spring;
-                damper += push.damper;
-                energy += push.energy;
-            }
-        };
+        // No loop and no call: the bound of the tick's time counts each.
         let [first, second, third] = &rendered.fixtures;
-        add(first);
-        add(second);
-        add(third);
+        let pushes = [
+            pushed(first, tool),
+            pushed(second, tool),
+            pushed(third, tool),
+        ];
+        let [push1, push2, push3] = pushes;
+        spring += push1.spring + push2.spring + push3.spring;
+        damper += push1.damper + push2.damper + push3.damper;
+        energy += push1.energy + push2.energy + push3.energy;
         let load = self.of.joints.load(demand, tool.jacobian);
         let pose = if load > 1.0 { 1.0 / load } else { 1.0 };
         let risen = rendered.rise + self.per_rise;
@@ -236,6 +234,19 @@ impl Renderer {
                 spring.map(|torque| rendered.left * torque),
             ),
         }
+    }
+}
+
+/// What a wall or a guide does, if there is one.
+#[inline(always)]
+fn pushed(fixture: &Option<VirtualFixture<f32>>, tool: &ToolState) -> FixturePush<f32> {
+    match fixture {
+        Some(fixture) => fixture.push(tool.place, tool.velocity),
+        None => FixturePush {
+            spring: Vector2::zeros(),
+            damper: Vector2::zeros(),
+            energy: 0.0,
+        },
     }
 }
 

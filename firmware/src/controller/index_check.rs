@@ -37,6 +37,8 @@ pub(super) struct Landmarks {
     /// Counts in a tick per speed [s/rad].
     counts_per_speed: f32,
     wrong_pulses: u8,
+    /// Where and how fast the last pulse came that nobody has looked at [counts, rad/s].
+    pulse: Option<(i32, f32)>,
     /// The joint finds its angle by its switch, or by the switch and the index.
     has_switch: bool,
     /// 1 or −1: whether its angle grows towards the switch.
@@ -61,6 +63,7 @@ impl Landmarks {
             index_counts: axis.index_counts.cast_signed(),
             counts_per_speed: APART * counts_per_radian / settings.control.tick_rate,
             wrong_pulses: 0,
+            pulse: None,
             has_switch,
             forward: if axis.home_forward { 1.0 } else { -1.0 },
             home_angle: axis.home_angle,
@@ -78,6 +81,7 @@ impl Landmarks {
     }
 
     /// A pulse, so many counts from another one. True if counts were lost.
+    #[inline(always)]
     fn pulse_is_wrong(&mut self, turned: i32, velocity: f32) -> bool {
         // None where there is no such distance.
         let Some(rest) = turned.checked_rem(self.index_counts) else {
@@ -119,25 +123,26 @@ impl Landmarks {
 }
 
 impl<D: Drives> ArmController<D> {
-    /// Compares an index pulse of this tick with the counts: joint 1's where both are shown, so that the longest tick
-    /// holds one.
+    /// Keeps where the index pulses of this tick came.
     #[inline(always)]
-    pub(super) fn compare_pulses(&mut self, sample: &ArmSample<D::Sample>) {
+    pub(super) fn note_pulses(&mut self, sample: &ArmSample<D::Sample>) {
+        let ([joint1, joint4], [landmarks1, landmarks4]) = (&self.joints, &mut self.landmarks);
         let [index1, index4] = sample.index;
         if index1 {
-            self.compare_pulse(0);
-        } else if index4 {
-            self.compare_pulse(1);
+            landmarks1.pulse = Some((joint1.turned(), joint1.velocity()));
+        }
+        if index4 {
+            landmarks4.pulse = Some((joint4.turned(), joint4.velocity()));
         }
     }
 
-    #[inline(never)]
-    fn compare_pulse(&mut self, index: usize) {
-        if let (true, Some(joint), Some(landmarks)) = (
-            self.homed_by_index,
-            self.joints.get(index),
-            self.landmarks.get_mut(index),
-        ) && landmarks.pulse_is_wrong(joint.turned(), joint.velocity())
+    /// Compares a joint's last index pulse with its counts.
+    #[inline(always)]
+    pub(super) fn compare_pulse(&mut self, index: usize) {
+        if let Some(landmarks) = self.landmarks.get_mut(index)
+            && let Some((turned, velocity)) = landmarks.pulse.take()
+            && self.homed_by_index
+            && landmarks.pulse_is_wrong(turned, velocity)
         {
             self.pending_off = Some(Fault::LostCounts);
         }

@@ -119,7 +119,7 @@ impl<D: Drives> ArmController<D> {
             self.pending_off = Some(Fault::NotANumber);
             return self.off();
         };
-        self.compare_pulses(sample);
+        self.note_pulses(sample);
         self.run_time_slice(sample);
         command.tool = self.path.tool_output();
         command

@@ -26,8 +26,14 @@ impl<D: Drives> ArmController<D> {
     #[inline(always)]
     pub(super) fn run_time_slice(&mut self, sample: &ArmSample<D::Sample>) {
         match self.ticks % TIME_SLICES {
-            0 => self.warm(Driven::Joint1),
-            8 => self.warm(Driven::Joint4),
+            0 => {
+                self.warm(Driven::Joint1);
+                self.turn_brake();
+            }
+            8 => {
+                self.warm(Driven::Joint4);
+                self.turn_brake();
+            }
             1 | 9 => self.end_path(),
             2 => self.change_gains(Driven::Joint1),
             10 => self.change_gains(Driven::Joint4),
@@ -35,8 +41,14 @@ impl<D: Drives> ArmController<D> {
                 self.correct_encoder(0, Joint::set_scale);
                 self.learn_inertia();
             }
-            4 => self.watch(Driven::Joint1),
-            12 => self.watch(Driven::Joint4),
+            4 => {
+                self.watch(Driven::Joint1);
+                self.compare_pulse(0);
+            }
+            12 => {
+                self.watch(Driven::Joint4);
+                self.compare_pulse(1);
+            }
             5 | 13 => self.begin_pending_stop(),
             6 | 14 => self.latch_pending_stop(),
             7 => {
@@ -83,14 +95,13 @@ impl<D: Drives> ArmController<D> {
     }
 
     /// Looks for a fault that stops the arm, and for a joint's loop that oscillates, which the next tick switches
-    /// off; then the brakes have their turn.
+    /// off.
     #[inline(always)]
     fn watch(&mut self, joint: Driven) {
         self.pending_stop = self.stopping_fault();
         if let Some(fault) = self.drives.watch_loop(joint) {
             self.pending_off = Some(fault);
         }
-        self.turn_brake();
     }
 
     /// Lets the drives learn the arm's inertia by the errors of this tick.
@@ -102,13 +113,11 @@ impl<D: Drives> ArmController<D> {
     }
 
     /// Advances a motor's heat by all turns at its current. The next tick switches off a motor that
-    /// is too hot, or an arm that nobody commands.
+    /// is too hot.
     #[inline(always)]
     fn warm(&mut self, joint: Driven) {
         if let Some(fault) = self.drives.watch_heat(joint) {
             self.pending_off = Some(fault);
-        } else if self.abandoned() {
-            self.abandon();
         }
     }
 
@@ -139,8 +148,9 @@ impl<D: Drives> ArmController<D> {
         }
     }
 
+    /// Whether the arm moves on a path, or gives way.
     #[inline(always)]
-    fn moves(&self) -> bool {
+    pub(super) fn moves(&self) -> bool {
         match self.state {
             State::Running | State::Stopping | State::Compliant => true,
             State::Stopped

@@ -72,55 +72,68 @@ impl<S: Scalar> VirtualFixture<S> {
     /// What it does to a tool at this place [m] with this velocity [m/s].
     #[inline(always)]
     pub fn push(&self, place: Vector2<S>, velocity: Vector2<S>) -> FixturePush<S> {
-        let mut push = FixturePush {
-            spring: Vector2::zeros(),
-            damper: Vector2::zeros(),
-            energy: S::ZERO,
-        };
         let from = place - self.origin;
         let [first, second] = self.bounds;
         match self.axis {
             FixtureAxis::Along(axis) => {
                 let left = axis.perpendicular();
-                self.add(&mut push, from.dot(&axis), axis, velocity, first);
-                self.add(&mut push, from.dot(&left), left, velocity, second);
+                let along = self.pushed(from.dot(&axis), velocity.dot(&axis), first);
+                let across = self.pushed(from.dot(&left), velocity.dot(&left), second);
+                FixturePush {
+                    spring: axis * along.spring + left * across.spring,
+                    damper: axis * along.damper + left * across.damper,
+                    energy: along.energy + across.energy,
+                }
             }
             FixtureAxis::Radial => {
                 let distance = from.length();
-                if distance > S::from_f64(CENTRE) {
-                    let axis = from * (S::ONE / distance);
-                    self.add(&mut push, distance, axis, velocity, first);
+                let per_distance = if distance > S::from_f64(CENTRE) {
+                    S::ONE / distance
+                } else {
+                    S::ZERO
+                };
+                let axis = from * per_distance;
+                let away = self.pushed(distance, velocity.dot(&axis), first);
+                FixturePush {
+                    spring: axis * away.spring,
+                    damper: axis * away.damper,
+                    energy: away.energy,
                 }
             }
         }
-        push
     }
 
+    /// What acts along a coordinate there [m] that changes so fast [m/s].
+    // Few branches: a processor with wait states waits at each of them.
     #[inline(always)]
-    fn add(
-        &self,
-        push: &mut FixturePush<S>,
-        coordinate: S,
-        axis: Vector2<S>,
-        velocity: Vector2<S>,
-        [low, high]: [S; 2],
-    ) {
-        let depth = if coordinate < low {
-            low - coordinate
-        } else if coordinate > high {
-            high - coordinate
-        } else {
-            return;
-        };
+    fn pushed(&self, coordinate: S, rate: S, [low, high]: [S; 2]) -> AlongAxis<S> {
+        let (below, above) = (low - coordinate, high - coordinate);
+        let mut depth = if below > S::ZERO { below } else { S::ZERO };
+        if above < S::ZERO {
+            depth = above;
+        }
         let spring = self.stiffness * depth;
-        let mut damper = -self.damping * axis.dot(&velocity);
+        let mut damper = if depth == S::ZERO {
+            S::ZERO
+        } else {
+            -self.damping * rate
+        };
         if low < high && (spring + damper) * depth < S::ZERO {
             damper = -spring;
         }
-        push.spring += axis * spring;
-        push.damper += axis * damper;
-        push.energy += S::HALF * spring * depth;
+        AlongAxis {
+            spring,
+            damper,
+            energy: S::HALF * spring * depth,
+        }
     }
+}
+
+/// What acts along one coordinate.
+struct AlongAxis<S> {
+    spring: S,
+    damper: S,
+    energy: S,
 }
 
 #[cfg(test)]

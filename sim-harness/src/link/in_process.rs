@@ -3,7 +3,10 @@
 use super::{DesktopDrives, Target, TargetError};
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::{BrushedDrives, DriveInterface};
-use fivebar_firmware::planner::{MoveErrorKind, Planner};
+use fivebar_firmware::motion::{StreamConfig, StreamPoint};
+use fivebar_firmware::planner::{
+    MoveErrorKind, Planner, StreamError, StreamProgress, StreamReason,
+};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{SettingsError, Share};
 use fivebar_firmware::{ArmCommand, ArmSample, Move, Settings, Status};
@@ -15,6 +18,21 @@ pub struct InProcess<I: DesktopDrives = BrushedDrives>(Box<dyn Called<I>>);
 pub trait Called<I: DriveInterface>: Target<I> + Send {
     /// The level, as a share, that an output of the tool stands for.
     fn tool_level(&self, output: Share) -> f32;
+
+    /// Begins a stream of set-points.
+    ///
+    /// # Errors
+    /// Why it does not begin.
+    fn begin_stream(&mut self, config: &StreamConfig) -> Result<(), StreamError>;
+
+    /// Takes the n-th point of the stream, or counts why not.
+    fn take_point(&mut self, n: u16, point: &StreamPoint);
+
+    /// Ends the stream behind its last point.
+    fn end_stream(&mut self);
+
+    /// What the stream has done.
+    fn stream(&self) -> Option<StreamProgress>;
 }
 
 /// The controller with its planner and what lies between it and the wires.
@@ -50,6 +68,11 @@ impl<I: DesktopDrives> InProcess<I> {
     pub(super) fn tool_level(&self, output: Share) -> f32 {
         self.0.tool_level(output)
     }
+
+    /// The controller itself.
+    pub(super) fn called(&mut self) -> &mut dyn Called<I> {
+        &mut *self.0
+    }
 }
 
 impl<I: DesktopDrives> Target<I> for InProcess<I> {
@@ -76,6 +99,22 @@ impl<I: DesktopDrives> Target<I> for InProcess<I> {
 impl<I: DriveInterface<Drives: Send>> Called<I> for Firmware<I> {
     fn tool_level(&self, output: Share) -> f32 {
         self.controller.settings().tool_output.level(output)
+    }
+
+    fn begin_stream(&mut self, config: &StreamConfig) -> Result<(), StreamError> {
+        self.planner.begin_stream(&mut self.controller, config)
+    }
+
+    fn take_point(&mut self, n: u16, point: &StreamPoint) {
+        self.planner.take_point(&mut self.controller, n, point);
+    }
+
+    fn end_stream(&mut self) {
+        self.planner.end_stream(StreamReason::Asked);
+    }
+
+    fn stream(&self) -> Option<StreamProgress> {
+        self.planner.stream().copied()
     }
 }
 

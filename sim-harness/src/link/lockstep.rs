@@ -5,7 +5,8 @@
 use super::{Client, EmulatedDrives, InProcess, LinkError, Target, TargetError, motors_of};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::drives::BrushedDrives;
-use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::motion::{StreamConfig, StreamPoint};
+use fivebar_firmware::planner::{MoveErrorKind, StreamError, StreamProgress};
 use fivebar_firmware::protocol::{
     Board, CommandError, ControllerMessage, HostCommand, Identity, Reply, Sequence, StepResult,
     encode,
@@ -148,6 +149,59 @@ impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
     /// The client of the other end.
     pub fn client(&mut self) -> &mut Client<L> {
         &mut self.client
+    }
+
+    /// Begins a stream of set-points at both ends. Inside: why the board begins none.
+    ///
+    /// # Errors
+    /// The board does not reply.
+    pub fn begin_stream(
+        &mut self,
+        config: &StreamConfig,
+    ) -> Result<Result<(), StreamError>, TargetError> {
+        let here = self.twin.called().begin_stream(config);
+        let there = match self.call(HostCommand::BeginStream(*config))? {
+            Reply::Done => Ok(()),
+            Reply::Refused(CommandError::Stream(error)) => Err(error),
+            reply => return Err(unexpected(&reply)),
+        };
+        if here != there {
+            let show = |outcome| format!("{outcome:?}");
+            self.note_difference(Some(("stream", show(here), show(there))));
+        }
+        Ok(there)
+    }
+
+    /// Gives both ends the n-th point of the stream.
+    ///
+    /// # Errors
+    /// A failed connection.
+    pub fn send_point(&mut self, n: u16, point: &StreamPoint) -> Result<(), TargetError> {
+        self.silence = 0;
+        self.twin.called().take_point(n, point);
+        Ok(self.client.send_point(n, point)?)
+    }
+
+    /// Ends the stream at both ends behind its last point.
+    ///
+    /// # Errors
+    /// The board does not reply.
+    pub fn end_stream(&mut self) -> Result<(), TargetError> {
+        self.twin.called().end_stream();
+        match self.call(HostCommand::EndStream)? {
+            Reply::Done => Ok(()),
+            reply => Err(unexpected(&reply)),
+        }
+    }
+
+    /// What the stream has done in the twin, and by the board's last message.
+    pub fn stream(&mut self) -> [Option<StreamProgress>; 2] {
+        let client = &mut self.client;
+        let there = core::iter::from_fn(|| client.take_stream_state()).last();
+        [
+            self.twin.called().stream(),
+            there.map(|state| state.progress),
+        ]
     }
 
     fn call(&mut self, command: HostCommand<I::Sample>) -> Result<Reply<I::Command>, TargetError> {

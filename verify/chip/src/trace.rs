@@ -18,13 +18,15 @@ pub enum Step {
     Locked,
     /// It began a frame to the host.
     Sent,
+    /// It handed the planner a point of a stream.
+    Pointed,
 }
 
 /// The steps, each with the number of control ticks that had begun before it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trace {
-    /// The code of the background loop and of the planner.
-    background: [Range<u32>; 2],
+    /// The code of the background loop and of the planner, as far as it locks the controller.
+    background: [Range<u32>; 5],
     locked: bool,
     ticks: usize,
     steps: Vec<(usize, Step)>,
@@ -32,6 +34,8 @@ pub(crate) struct Trace {
 
 /// Part of the name of the planner's entry, which the background loop calls in each turn.
 const PLANNER: &str = "Planner$GT$3run";
+/// The same of what it calls with each point of a stream.
+const POINT: &str = "Planner$GT$10take_point";
 
 /// Where the planner's code begins.
 pub(crate) fn planner(image: &Image) -> Option<u32> {
@@ -46,7 +50,13 @@ impl Trace {
             address & !1..(address & !1) + size
         };
         Self {
-            background: [code("3app8converse"), code(PLANNER)],
+            background: [
+                code("3app8converse"),
+                code(PLANNER),
+                code(POINT),
+                code("6stream52_$LT$impl$u20$fivebar_firmware..planner..Planner$GT$6splice"),
+                code("Planner$GT$12watch_stream"),
+            ],
             ..Self::default()
         }
     }
@@ -59,6 +69,10 @@ impl Trace {
     /// A block of code runs.
     #[inline]
     pub(crate) fn block(&mut self, address: u32, engine: &Engine) {
+        let [_, _, point, ..] = &self.background;
+        if address == point.start {
+            self.note(Step::Pointed);
+        }
         if self.background.iter().any(|code| code.contains(&address)) {
             let locked = engine.get(Reg::BASEPRI) != 0;
             if locked && !self.locked {

@@ -11,13 +11,15 @@ use bench::{Bench, Driven, arm_before_home, gear, moves};
 use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Options, Step, Tick};
 use fivebar_files::robot::Robot;
-use fivebar_firmware::planner::MoveErrorKind;
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
+use fivebar_firmware::planner::{MoveErrorKind, StreamReason};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::CheckedSettings;
-use fivebar_firmware::{ActuatorCommand, Controller, Move, Planner, Request, Settings};
+use fivebar_firmware::{ActuatorCommand, Controller, Move, Planner, Request, Settings, Status};
 use fivebar_kinematics::five_bar::Joint;
 use rtic_core::Mutex;
+use std::f32::consts::TAU;
 
 /// Counts of half a PWM period.
 const FULL: f32 = 4200.0;
@@ -28,7 +30,10 @@ struct Recorder {
     settings: Settings,
     /// Frames that the image had sent before the first command here.
     sent_before: usize,
-    commands: Vec<HostCommand>,
+    /// What the image has sent an answer to; none: a state of a stream.
+    commands: Vec<Option<HostCommand>>,
+    /// The points of a stream, with their numbers.
+    points: Vec<(u16, StreamPoint)>,
 }
 
 impl Recorder {
@@ -46,6 +51,7 @@ impl Recorder {
             settings,
             sent_before,
             commands: Vec::new(),
+            points: Vec::new(),
         }
     }
 
@@ -53,14 +59,18 @@ impl Recorder {
         let before = self.driven.client.repeats();
         let reply = self.driven.client.call(command).expect("an answer");
         let repeats = self.driven.client.repeats() - before;
+        // They came before the answer.
+        while self.driven.client.take_stream_state().is_some() {
+            self.commands.push(None);
+        }
         // What was refused has changed nothing.
         let kept = match reply {
             Reply::Refused(_) => HostCommand::Status,
             _ => command,
         };
-        self.commands.push(kept);
+        self.commands.push(Some(kept));
         // The repeat of a command changes nothing, either.
-        let again = (0..repeats).map(|_| HostCommand::Status);
+        let again = (0..repeats).map(|_| Some(HostCommand::Status));
         self.commands.extend(again);
         reply
     }
@@ -69,11 +79,21 @@ impl Recorder {
         assert_eq!(self.call(HostCommand::Request(request)), Reply::Done);
     }
 
-    fn state(&mut self) -> State {
+    fn status(&mut self) -> Status {
         match self.call(HostCommand::Status) {
-            Reply::Status { status, .. } => status.state,
+            Reply::Status { status, .. } => status,
             other => panic!("{other:?}"),
         }
+    }
+
+    fn state(&mut self) -> State {
+        self.status().state
+    }
+
+    /// Sends a point of a stream.
+    fn send(&mut self, n: u16, point: StreamPoint) {
+        self.driven.client.send_point(n, &point).expect("the line");
+        self.points.push((n, point));
     }
 
     /// Lets the image run; it hears of the host.
@@ -111,7 +131,7 @@ impl Recorder {
         let checked = self.settings.check().expect("valid settings");
         let mut here = Here::new(&checked, &arm.ticks);
         let mut steps = chip.steps().iter().peekable();
-        let mut commands = self.commands.iter();
+        let (mut commands, mut points) = (self.commands.iter(), self.points.iter());
         let mut to_skip = self.sent_before;
         // The controller's last lock, in which a command acts.
         let mut locked = 0;
@@ -126,12 +146,29 @@ impl Recorder {
                     });
                 }
                 Step::Locked => locked = at,
+                Step::Pointed => {
+                    here.tick_up_to(at);
+                    here.controller.feed_host_timeout();
+                    let (n, point) = points.next().expect("a point");
+                    let mut locks = Locks {
+                        here: &mut here,
+                        steps: &mut steps,
+                    };
+                    planner.take_point(&mut locks, *n, point);
+                }
                 Step::Sent if to_skip > 0 => to_skip -= 1,
                 Step::Sent => {
                     here.tick_up_to(locked);
+                    let Some(command) = commands.next().expect("a command for each reply") else {
+                        continue;
+                    };
                     here.controller.feed_host_timeout();
-                    let command = commands.next().expect("a command for each reply");
                     match command {
+                        HostCommand::BeginStream(config) => {
+                            let begun = planner.begin_stream(&mut here.controller, config);
+                            begun.expect("a stream");
+                        }
+                        HostCommand::EndStream => planner.end_stream(StreamReason::Asked),
                         HostCommand::Request(request) => {
                             here.controller.request(*request).expect("accepted");
                         }
@@ -145,6 +182,7 @@ impl Recorder {
             }
         }
         assert_eq!(commands.next(), None, "a reply for each command");
+        assert_eq!(points.next(), None, "each point was taken");
         assert!(here.compared >= least, "{}", here.compared);
     }
 }
@@ -254,4 +292,74 @@ fn draws_as_here(robot: &str) {
     recorder.request(Request::Disarm);
     recorder.run(40 * MILLISECOND);
     recorder.assert_agrees(10_000);
+}
+
+/// A circle of the tip at 500 points a second, in which points are lost and late, then a pause and half a circle more.
+#[test]
+fn a_stream_gives_the_duties_of_the_controller_in_this_process() {
+    const PERIOD: u16 = 20;
+    const DELAY: u16 = 10 * PERIOD;
+    let mut recorder = Recorder::of("benchtop");
+    recorder.run(60 * MILLISECOND);
+    let arm = recorder.driven.arm.clone();
+    let angles = Joint::ALL.map(|joint| arm.get().plant().angle(joint) as f32);
+    recorder.request(Request::SetAngles(angles));
+    recorder.request(Request::Arm);
+    recorder.run(60 * MILLISECOND);
+    let status = recorder.status();
+    let [x, y] = status.tool.expect("a position");
+    let begin = HostCommand::BeginStream(StreamConfig {
+        id: 3,
+        mode: StreamMode::Tip,
+        period: PERIOD,
+        delay: DELAY,
+        policy: StreamPolicy::Stop,
+    });
+    assert_eq!(recorder.call(begin), Reply::Done);
+    let from = recorder.status().tick;
+    let (radius, turn) = (5e-3_f32, 100.0);
+    let point = |n: u16| {
+        let (sine, cosine) = (TAU * f32::from(n) / turn).sin_cos();
+        let speed = radius * TAU / turn * 500.0;
+        let share = (f32::from(n) / 20.0).min(1.0);
+        // Its middle rests while it grows, so that it begins at rest.
+        let radius = radius * share;
+        let slow = share * speed;
+        StreamPoint {
+            id: 3,
+            due: from + u32::from(DELAY) + u32::from(PERIOD) * u32::from(n),
+            position: (x + radius * sine, y + radius * (1.0 - cosine)),
+            velocity: (slow * cosine, slow * sine),
+            force: (0.0, 0.0),
+        }
+    };
+    for n in 0..150 {
+        recorder.driven.run(2 * MILLISECOND);
+        // A pause that is longer than the delay: the arm slows down and goes on.
+        if n % 17 == 16 || (100..112).contains(&n) {
+            continue;
+        }
+        let late = if n % 31 == 30 {
+            40 * u32::from(PERIOD)
+        } else {
+            0
+        };
+        let point = point(n);
+        recorder.send(
+            n,
+            StreamPoint {
+                due: point.due.wrapping_sub(late),
+                ..point
+            },
+        );
+        if n % 10 == 0 {
+            recorder.state();
+        }
+    }
+    assert_eq!(recorder.call(HostCommand::EndStream), Reply::Done);
+    recorder.run(300 * MILLISECOND);
+    assert_eq!(recorder.state(), State::Armed);
+    recorder.request(Request::Disarm);
+    recorder.run(40 * MILLISECOND);
+    recorder.assert_agrees(6_000);
 }

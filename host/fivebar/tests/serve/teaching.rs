@@ -1,7 +1,7 @@
 //! A hand that leads the arm for a page.
 
 use crate::arms::ARMS;
-use crate::in_process::{Page, Server};
+use crate::in_process::{HANDLED, Page, Server};
 use crate::kinds::robot;
 use crate::state::number;
 use fivebar_sim::controller::Hand;
@@ -83,11 +83,13 @@ fn a_lost_page_and_a_stop_hold_the_arm_and_an_emergency_stop_switches_it_off() {
         let hand = hand();
         let (server, mut page) = led(&hand);
         page.pass(1500 * MS);
+        let mut asked_at = None;
         if end == "lost" {
             drop(page);
             page = server.page();
         } else {
-            page.request(end);
+            // Its answer comes within this time, and says which tick was the last one before it.
+            asked_at = Some(page.request(end).tick as f64);
         }
         let name = if end == "emergency_stop" {
             "Fault"
@@ -97,6 +99,13 @@ fn a_lost_page_and_a_stop_hold_the_arm_and_an_emergency_stop_switches_it_off() {
         let rest = page.state(name, |state| state["state"] == name);
         let fault = &rest["fault"];
         assert_eq!(fault.is_null(), end != "emergency_stop", "{end}: {fault}");
+        if let (Some(before), "emergency_stop") = (asked_at, end) {
+            let ticks = number(&rest["tick"]);
+            let tick = number(&rest["time"]) / ticks;
+            let took = HANDLED.as_secs_f64() + tick * (ticks - before);
+            assert!(took < 0.05, "{took} s");
+            assert_eq!(rest["duty"], json!([0.0, 0.0]), "the bridges are off");
+        }
     }
 }
 
