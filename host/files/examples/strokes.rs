@@ -1,6 +1,6 @@
 //! What a file draws, as points: `cargo run -p fivebar-files --example strokes FILE [PICTURE LEVEL]` prints a JSON list of its
 //! strokes, each a list of [x, y] in millimetres. PICTURE is how a picture becomes strokes, such as `outline`, LEVEL the darkness
-//! that becomes ink.
+//! that becomes ink. The notes of the reader are on the standard error.
 
 use fivebar_files::job::{Action, Job, JobOptions, Placement, Trace, read};
 use std::path::Path;
@@ -35,6 +35,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..JobOptions::default()
     };
     let job = Job::parse_with(&text, &AS_DRAWN, &options)?;
+    for note in &job.warnings {
+        eprintln!("{note}");
+    }
     println!("{}", serde_json::json!(strokes(&job)));
     Ok(())
 }
