@@ -194,19 +194,6 @@ def with_trimesh(folder):
         yield f"trimesh.{ending}"
 
 
-def with_mecode(folder):
-    from mecode import G
-
-    with G(outfile=str(folder / "mecode.gcode"), print_lines=False, aerotech_include=False, setup=False) as arm:
-        arm.feed(20)
-        arm.write("G21\nG90")
-        arm.abs_move(x=0, y=0)
-        arm.meander(20, 10, 2)
-        arm.absolute()
-        arm.arc(x=10, y=10, radius=10)
-    yield "mecode.gcode"
-
-
 def with_typst(folder):
     import typst
 
