@@ -167,15 +167,7 @@ impl Plot {
             }
             ("RO", []) => self.turn(0.0)?,
             ("RO", &[angle]) => self.turn(angle)?,
-            ("PM", [] | &[0.0]) => self.polygon = Some(self.at),
-            ("PM", &[1.0]) => {
-                self.close_polygon()?;
-                self.is_between_polygons = true;
-            }
-            ("PM", &[2.0]) => {
-                self.close_polygon()?;
-                self.polygon = None;
-            }
+            ("PM", &[] | &[0.0 | 1.0 | 2.0]) => self.polygon(numbers)?,
             ("IW" | "LT", []) => {}
             ("LT", _) => self.note("dashed lines are drawn whole"),
             ("LB", _) => self.note("labels of LB are left out: convert them to lines"),
@@ -243,14 +235,17 @@ impl Plot {
         Ok(())
     }
 
-    /// The line to the beginning of a polygon, which plotters add.
-    fn close_polygon(&mut self) -> Result<(), String> {
-        match self.polygon {
-            Some(start) if start != self.at && !self.is_between_polygons => {
-                self.line(start, self.is_down)
-            }
-            _ => Ok(()),
+    /// Begins a polygon, or ends a part of it or the whole: plotters add the line to its beginning.
+    fn polygon(&mut self, mode: &[f64]) -> Result<(), String> {
+        let (is_end, is_whole) = (matches!(mode, [1.0 | 2.0]), mode == [2.0]);
+        if let Some(start) = self.polygon.filter(|&start| is_end && start != self.at)
+            && !self.is_between_polygons
+        {
+            self.line(start, self.is_down)?;
         }
+        self.is_between_polygons = mode == [1.0];
+        self.polygon = Some(self.at).filter(|_| !is_whole);
+        Ok(())
     }
 
     fn line(&mut self, to: [f64; 2], draws: bool) -> Result<(), String> {
