@@ -66,12 +66,12 @@ def of_gcode(file):
                 elif value not in (4, 17, 28, 54, 64, 92, 94):
                     raise ValueError(f"{file}: G{number}")
             elif letter == "M" and value in (3, 4, 5):
-                laser = value != 5 if z is None else None
+                laser = value != 5
             elif letter == "E":
                 extrudes = value > extruded if "G92" not in line else False
                 extruded = value
             elif letter == "Z":
-                z, laser = value, None
+                z = value
             elif letter in "XY":
                 axis = "XY".index(letter)
                 target[axis] = value * unit + (at[axis] if is_relative else 0)
