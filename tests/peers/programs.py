@@ -8,14 +8,11 @@ profiles in millimetres, in inches and relative), svg-to-gcode and Inkscape (SVG
 
 import argparse
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
 
-import ezdxf.path
-import numpy
-import svgelements
+from readers import of_dxf, of_gcode, of_hpgl, of_svg
 from shapes import corners, hausdorff, ours
 from svg_to_gcode import TOLERANCES
 from svg_to_gcode.compiler import Compiler, interfaces
@@ -32,87 +29,6 @@ DRAWING = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 80" width=
 <polyline points="5,70 10,75 15,70 20,75 25,70 30,75"/>
 </g></svg>
 """
-MILLIMETRE = 96 / 25.4  # in units of svgelements
-
-
-def of_svg(file):
-    """The strokes of an SVG as svgelements reads it, with y upwards."""
-    strokes = []
-    for element in svgelements.SVG.parse(str(file), ppi=96).elements():
-        if not isinstance(element, svgelements.Shape):
-            continue
-        for part in abs(svgelements.Path(element)).as_subpaths():
-            part = svgelements.Path(part)
-            pieces = [piece for piece in part if not isinstance(piece, svgelements.Move)]
-            points = [[pieces[0].start.x, pieces[0].start.y]] if pieces else []
-            for piece in pieces:
-                count = 1 if isinstance(piece, (svgelements.Line, svgelements.Close)) else 400
-                for index in range(1, count + 1):
-                    point = piece.point(index / count)
-                    points.append([point.x, point.y])
-            if len(points) > 1:
-                strokes.append(numpy.array(points) / MILLIMETRE * [1, -1])
-    return strokes
-
-
-def of_gcode(file):
-    """The strokes of G-code with G0 and G1, G20, G21, G90 and G91: G1 draws, and so does G0 with the laser on."""
-    unit, is_relative, at, strokes, was_drawn, motion, laser, z = 1.0, False, numpy.zeros(2), [], False, 0, None, None
-    for line in file.read_text().splitlines():
-        words = re.findall(r"([A-Z])\s*(-?[\d.]+)", re.sub(r"\(.*?\)|;.*", "", line.upper()))
-        target = at.copy()
-        for letter, number in words:
-            value = float(number)
-            if letter == "G":
-                if value in (20, 21):
-                    unit = 25.4 if value == 20 else 1.0
-                elif value in (90, 91):
-                    is_relative = value == 91
-                elif value in (0, 1):
-                    motion = value
-                elif value not in (4, 17, 28):
-                    raise ValueError(f"{file}: G{number}")
-            elif letter == "M" and value in (3, 4, 5):
-                laser = value != 5
-            elif letter == "Z":
-                z = value
-            elif letter in "XY":
-                axis = "XY".index(letter)
-                target[axis] = value * unit + (at[axis] if is_relative else 0)
-        if not any(letter in "XY" for letter, _ in words):
-            continue
-        draws = laser if laser is not None else z < 0 if z is not None else motion == 1
-        if draws and (target != at).any():
-            if not was_drawn:
-                strokes.append([at])
-            strokes[-1].append(target)
-        was_drawn, at = draws, target
-    return [numpy.array(stroke) for stroke in strokes]
-
-
-def of_hpgl(file):
-    """The strokes of HPGL with PU, PD, PA and PR, in units of 1/40 mm."""
-    strokes, at, is_down, is_relative = [], numpy.zeros(2), False, False
-    for order in file.read_text().split(";"):
-        name, numbers = order.strip()[:2], [float(it) for it in re.findall(r"-?[\d.]+", order[2:])]
-        if name not in ("PU", "PD", "PA", "PR"):
-            continue
-        is_relative = {"PA": False, "PR": True}.get(name, is_relative)
-        is_down = {"PU": False, "PD": True}.get(name, is_down)
-        for point in zip(numbers[::2], numbers[1::2]):
-            point = numpy.array(point) / 40 + is_relative * at
-            if is_down:
-                if not strokes or (strokes[-1][-1] != at).any():
-                    strokes.append([at])
-                strokes[-1].append(point)
-            at = point
-    return [numpy.array(stroke) for stroke in strokes]
-
-
-def of_dxf(file):
-    """The strokes of a DXF as ezdxf reads it."""
-    curves = [ezdxf.path.make_path(entity) for entity in ezdxf.readfile(file).modelspace()]
-    return [numpy.array([point.vec2 for point in curve.flattening(0.005)]) for curve in curves if len(curve)]
 
 
 def written(folder, programs):

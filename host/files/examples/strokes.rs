@@ -1,9 +1,10 @@
 //! What a file draws, as points: `cargo run -p fivebar-files --example strokes FILE [PICTURE LEVEL]` prints a JSON list of its
 //! strokes, each a list of [x, y] in millimetres. PICTURE is how a picture becomes strokes, such as `outline`, LEVEL the darkness
-//! that becomes ink.
+//! that becomes ink. The notes of the reader are on the standard error.
 
 use fivebar_files::job::{Action, Job, JobOptions, Placement, Trace, read};
 use std::path::Path;
+use std::process::ExitCode;
 
 /// Two strokes: a line, and a half circle.
 const TWO: &str = "G21 G90 F600\nM3\nG1 X10\nM5\nG0 Y5\nM3\nG2 X0 Y5 I-5 J0\nM5\n";
@@ -18,7 +19,17 @@ const AS_DRAWN: Placement = Placement {
     home: [0.0; 2],
 };
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    match print() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn print() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let text = match arguments.next() {
         Some(file) => read(Path::new(&file))?,
@@ -35,6 +46,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..JobOptions::default()
     };
     let job = Job::parse_with(&text, &AS_DRAWN, &options)?;
+    for note in &job.warnings {
+        eprintln!("{note}");
+    }
     println!("{}", serde_json::json!(strokes(&job)));
     Ok(())
 }

@@ -169,9 +169,12 @@ mod tests {
     use fivebar_files::robot::{Robot, measured_text, text_of};
     use fivebar_sim::clock::Clock;
     use fivebar_sim::controller::{ControllerSource, open};
+    use fivebar_sim::drive::Drive;
     use std::sync::{Arc, Mutex};
 
     const PEN: &str = "[tool_output]\nkind = \"servo\"\nup_width = 1.0e-3\ndown_width = 1.5e-3\ndown_time = 0.12\nup_time = 0.08\n";
+
+    const MIT: &str = "\"mit\"\nposition_range = 12.5\nvelocity_range = 640.0\ntorque_range = 2.0";
 
     /// The width that the controller's servo has with the motors off [s].
     fn held(session: &mut Session) -> f32 {
@@ -184,8 +187,17 @@ mod tests {
     #[test]
     fn the_servo_follows_both_heights_and_the_kept_file_is_what_the_controller_has_with_every_kind_of_drive()
      {
-        for name in ["benchtop", "benchtop_stepper", "leg", "classroom_servo"] {
-            let mut text = text_of(name).unwrap();
+        for name in [
+            "benchtop",
+            "benchtop_stepper",
+            "leg",
+            "mit",
+            "classroom_servo",
+        ] {
+            let mut text = match name {
+                "mit" => text_of("leg").unwrap().replace("\"odrive\"", MIT),
+                _ => text_of(name).unwrap(),
+            };
             if !text.contains("[tool_output]") {
                 text = format!("{text}\n{PEN}");
             }
@@ -198,6 +210,13 @@ mod tests {
                 trial.hold(&mut session, height, width).unwrap().unwrap();
                 assert_eq!(held(&mut session), width as f32, "{name}: {height:?}");
             }
+            // A program that is killed now leaves the tried widths; the next one compares its settings.
+            let file = session.settings;
+            Drive::new(&mut session, &|| false)
+                .compare_settings(&file)
+                .unwrap();
+            session.read_status().unwrap();
+            assert_eq!(held(&mut session), own, "{name}: the next session");
             let unwritten: KeepValues = Box::new(|_| Err("The disk is full.".into()));
             let full = trial.keep(&mut session, &unwritten).unwrap();
             assert_eq!(full, Err("The disk is full.".into()));

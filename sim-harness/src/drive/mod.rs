@@ -14,7 +14,7 @@ use fivebar_firmware::drives::can::BusSetup;
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply, SectionKey};
 use fivebar_firmware::safety::State;
-use fivebar_firmware::settings::{BoardLimits, CheckedSettings};
+use fivebar_firmware::settings::{BoardLimits, CheckedSettings, ToolOutputSettings};
 use fivebar_firmware::{Move, Planner, Request, Settings, Status};
 
 pub use controlled::Controlled;
@@ -57,13 +57,19 @@ impl<'a, C: Controlled> Drive<'a, C> {
         }
     }
 
-    /// Makes sure that the controller uses these settings.
+    /// Makes sure that the controller uses these settings. A pen's heights that a program tried, and that ended before it
+    /// took them back, give way to those of the settings.
     ///
     /// # Errors
     /// The sections that differ.
     pub fn compare_settings(&mut self, settings: &Settings) -> Result<(), DriveError> {
         let mut theirs = *settings;
         self.controller.client().read_settings(&mut theirs)?;
+        if differ_by_heights(settings, &theirs)
+            && self.controller.client().write_settings(settings)?.is_ok()
+        {
+            return Ok(());
+        }
         let differing: Vec<_> = SectionKey::ALL
             .into_iter()
             .filter(|key| key.of(settings) != key.of(&theirs))
@@ -432,6 +438,28 @@ fn check_fault(status: &Status) -> Result<(), DriveError> {
     status
         .fault
         .map_or(Ok(()), |fault| Err(DriveError::Fault(fault)))
+}
+
+/// Whether settings differ by the heights of a pen on a servo, and by nothing else.
+fn differ_by_heights(settings: &Settings, theirs: &Settings) -> bool {
+    use ToolOutputSettings::Servo;
+    let mut with_heights = *theirs;
+    if let (
+        Servo {
+            up_width,
+            down_width,
+            ..
+        },
+        Servo {
+            up_width: up,
+            down_width: down,
+            ..
+        },
+    ) = (&mut with_heights.tool_output, settings.tool_output)
+    {
+        [*up_width, *down_width] = [up, down];
+    }
+    theirs != settings && with_heights == *settings
 }
 
 #[cfg(test)]

@@ -478,6 +478,9 @@ fn has_exponent(text: &str) -> bool {
 
 fn explain(kind: &gcode::DiagnosticKind) -> String {
     match kind {
+        gcode::DiagnosticKind::UnknownContent { text } if text.trim_start().starts_with('#') => {
+            "parameters (#) are not read; let the program write plain numbers".into()
+        }
         gcode::DiagnosticKind::UnknownContent { text } => {
             format!("\"{}\" is not G-code", quoted(text))
         }

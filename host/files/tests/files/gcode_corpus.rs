@@ -6,6 +6,7 @@
 
 use crate::document::keep;
 use fivebar_files::job::{self, Action, Job, Placement};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus");
@@ -196,4 +197,34 @@ fn table() -> String {
 #[test]
 fn the_documents_have_the_table_of_the_files() {
     keep("verify/data/programs.csv", TABLE, &table());
+}
+
+/// What `scripts/many_programs.sh` found, beside independent readers.
+#[test]
+fn no_file_of_another_program_is_drawn_otherwise_without_a_word() {
+    let table = include_str!("../../../../docs/verify/data/files_of_programs.csv");
+    let mut programs = BTreeSet::new();
+    let (mut drawn, mut refused, mut noted) = (0, 0, 0);
+    for row in csv::Reader::from_reader(table.as_bytes()).records() {
+        let row = row.unwrap();
+        let [program, file, verdict, far, said] = [0, 1, 2, 5, 6].map(|column| &row[column]);
+        let is_near = far.parse().is_ok_and(|far: f64| far <= 0.05);
+        match verdict {
+            "drawn" => drawn += usize::from(is_near),
+            "refused" => refused += usize::from(!said.is_empty()),
+            "noted" => noted += usize::from(said.contains("left out")),
+            other => panic!("{file}: {other}"),
+        }
+        programs.insert(program.to_owned());
+    }
+    let (files, programs) = (drawn + refused + noted, programs.len());
+    let rows = table.lines().count() - 1;
+    assert_eq!(files, rows, "each row is what its verdict says");
+    let sentence = format!(
+        "{files} files that {programs} programs made (`scripts/many_programs.sh`): {drawn} are drawn within 0.05 mm of \
+         independent readers, {refused} refused, {noted} noted"
+    );
+    let document = include_str!("../../../../docs/use/programs.md");
+    let document = document.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(document.contains(&sentence), "{sentence}");
 }

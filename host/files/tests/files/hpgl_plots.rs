@@ -44,6 +44,31 @@ fn lines_are_in_units_of_25_micrometres_absolute_and_relative() {
 }
 
 #[test]
+fn polygons_are_closed_and_parts_of_them_are_apart() {
+    let [a, b, c] = [[10.0, 5.0], [20.0, 5.0], [20.0, 15.0]];
+    let two = strokes(
+        "IN;SP1;PU400,200;PM0;PD800,200,800,600;PM1;PD1000,200,1200,200,1200,600;PM2;EP;PU;",
+    );
+    let other = [a, b, c, a].map(|[x, y]| [x + 15.0, y]);
+    let moved = [other[0], [30.0, 5.0], [30.0, 15.0], other[0]];
+    assert_eq!(two, [vec![a, b, c, a], moved.to_vec()]);
+    // A line of two points with the pen lifted before the polygon's end is no area.
+    let line = strokes("IN;SP1;PU400,200;PM0;PD800,200;PU;PM2;EP;");
+    assert_eq!(line, [vec![a, b]]);
+}
+
+#[test]
+fn escapes_of_pcl_and_lines_of_pjl_are_skipped() {
+    let start = "\u{1B}%-12345X@PJL JOB NAME=\"a;b\"\n@PJL ENTER LANGUAGE=PCL\n\u{1B}E\u{1B}&l1X\u{1B}*p0x0Y\u{1B}%0B";
+    assert_eq!(
+        strokes(&format!(
+            "{start}INNP8SP1;PU400,200;PD800,200;\u{1B}%0A\u{1B}E"
+        )),
+        [vec![[10.0, 5.0], [20.0, 5.0]]]
+    );
+}
+
+#[test]
 fn circles_and_arcs_are_lines_within_the_tolerance() {
     let far = |[x, y]: [f64; 2]| ((x - 50.0).hypot(y - 40.0) - 20.0).abs();
     let circle = strokes("IN;SP1;PD;PU2000,1600;CI800;PU;");

@@ -131,6 +131,19 @@ fn closed_shapes_end_at_their_start_and_each_subpath_is_a_stroke() {
 }
 
 #[test]
+fn lines_of_no_width_are_left_out_and_noted() {
+    let shown = page(&format!("<path {LINE} d=\"M1 1 L9 1\"/>"));
+    assert!(read(&shown).unwrap().warnings.is_empty());
+    let job = read(&page(&format!(
+        "<path {LINE} d=\"M1 1 L9 1\"/><path {LINE} stroke-width=\"0\" d=\"M1 3 L9 3\"/>"
+    )));
+    let job = job.unwrap();
+    assert_eq!(strokes(&job).len(), 1);
+    let note = job.warnings[0].to_string();
+    assert!(note.contains("no width"), "{note}");
+}
+
+#[test]
 fn strokes_are_ordered_and_turned_for_short_ways() {
     // Three parallel lines: drawn as written, each way back crosses the page.
     let found = of(&format!(

@@ -1,6 +1,7 @@
 //! A tour around a drawing with the pen up: it shows where on the paper the drawing will lie.
 
 use super::controller_thread::ControllerThread;
+use super::packed::Shelved;
 use super::parsed_job::{ParsedJob, Size};
 use super::requests::Refused;
 use fivebar_files::job::Job;
@@ -39,7 +40,8 @@ impl ControllerThread {
             from = to;
         }
         let approach = self.approach_to(first)?;
-        let around = ParsedJob::new(name, Arc::from(""), (Job::default(), Size::TRUE), moves);
+        let no_text = Arc::new(Shelved::of(&String::new()));
+        let around = ParsedJob::new(name, no_text, (Job::default(), Size::TRUE), &moves);
         self.feeder.run(Arc::new(around), 0, approach);
         self.notice("The lifted tool goes around the drawing.");
         Ok(())

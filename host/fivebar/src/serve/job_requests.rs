@@ -143,7 +143,7 @@ impl ControllerThread {
         let (index, place) = job
             .at_line(line)
             .ok_or_else(|| format!("The job has no motion at or behind line {line}."))?;
-        if let Some(why) = start.behind(&job.job, line).differs(start) {
+        if let Some(why) = start.behind(&job.outline, line).differs(start) {
             return Err(format!("Line {line} is drawn {why}"));
         }
         let approach = match place.filter(|_| line > 0) {

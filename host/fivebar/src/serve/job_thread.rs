@@ -1,5 +1,6 @@
 //! The thread that reads and checks jobs, so that the controller's thread waits for none.
 
+use super::packed::Shelved;
 use super::parsed_job::{ParsedJob, Size};
 use super::preview::{Branch, JobStart, Preview};
 use super::strokes::drawn_box;
@@ -281,8 +282,8 @@ impl Workshop {
         };
         let job = match work {
             // The moves of a change of the working mode depend on where the arm is.
-            Work::Check(job) if job.job.first_change_of_mode().is_some() => {
-                parsed(&job, Ok(((*job.job).clone(), job.size)))
+            Work::Check(job) if job.outline.first_change_of_mode().is_some() => {
+                parsed(&job, Ok((job.job.value(), job.size)))
             }
             Work::Check(job) => job,
             Work::Place(job, shift) => {
@@ -291,7 +292,7 @@ impl Workshop {
                     scale: job.size.scale * placement.scale,
                     turn: job.size.turn + placement.turn,
                 };
-                parsed(&job, Ok((job.job.moved(&placement), size)))
+                parsed(&job, Ok((job.job.value().moved(&placement), size)))
             }
             Work::Read(job) => parsed(&job, self.read_again(&job)),
             Work::Fit(job) => parsed(&job, self.fitted(&job)),
@@ -310,7 +311,9 @@ impl Workshop {
             },
         };
         let from = self.or_home(start);
-        let mut message = self.preview.job(&job.name, &job.job, &job.moves, from);
+        let mut message = self
+            .preview
+            .job(&job.name, &job.outline, &job.moves.unpacked(), from);
         message.is_from_home = !start.is_known() && from.is_known();
         message.refusal = message.refusal.or(refusal);
         message.layers = job.layers();
@@ -391,7 +394,7 @@ impl Workshop {
 
     /// The drawing of a job's file at the greatest scale for this arm, turned and placed for it.
     fn fitted(&self, job: &ParsedJob) -> Result<(Job, Size), String> {
-        let mut scenario = self.scenario(&job.name, job.text.to_string());
+        let mut scenario = self.scenario(&job.name, job.text.value());
         let kept = Kept {
             scale: false,
             turn: false,
@@ -410,10 +413,10 @@ impl Workshop {
             origin: Some([0.0; 2]),
             scale: job.size.scale,
             turn: job.size.turn,
-            ..self.scenario(&job.name, job.text.to_string())
+            ..self.scenario(&job.name, job.text.value())
         };
         let read = scenario.job().map_err(sentence)?;
-        let (now, before) = (middle(&read), middle(&job.job));
+        let (now, before) = (middle(&read), middle(&job.job.value()));
         let placement = Placement {
             origin: [before[0] - now[0], before[1] - now[1]],
             scale: 1.0,
@@ -476,36 +479,46 @@ impl Workshop {
                 Err(error) => return Err(Prepared::NoJob(page, brief(error.to_string()))),
             },
         };
-        let (name, text) = (brief(name), Arc::<str>::from(text));
+        let name = brief(name);
+        let shelved = Arc::new(Shelved::of(&text));
         let scenario = Scenario {
             origin,
-            ..self.scenario(&name, text.to_string())
+            ..self.scenario(&name, text)
         };
-        match scenario.job() {
+        let job = scenario.job();
+        drop(scenario);
+        match job {
             Ok(job) => {
-                let parsed = self.parsed(&name, text, (job, Size::TRUE), start);
+                let parsed = self.parsed(&name, shelved, (job, Size::TRUE), start);
                 parsed.map_err(|why| unreadable(name, why, self.reading))
             }
             Err(error) => Err(unreadable(name, error.to_string(), self.reading)),
         }
     }
 
-    /// The moves of a job that was read, for the arm where it is; why it has none.
-    pub(super) fn parsed(
+    fn parsed(
         &self,
         name: &str,
-        text: Arc<str>,
+        text: Arc<Shelved<String>>,
         (job, size): (Job, Size),
         start: JobStart,
     ) -> Result<ParsedJob, String> {
+        let moves = self.moves(name, &job, start)?;
+        Ok(ParsedJob::new(name.into(), text, (job, size), &moves))
+    }
+
+    /// The moves of a job that was read, for the arm where it is; why it has none.
+    pub(super) fn moves(
+        &self,
+        name: &str,
+        job: &Job,
+        start: JobStart,
+    ) -> Result<Vec<Move>, String> {
         let scenario = self.scenario(name, String::new());
         let mode = start.branch.map(|branch| branch.mode());
         let mode = mode.unwrap_or_else(|| self.robot.working_mode());
         let assembly = start.branch.map(|branch| branch.assembly);
-        match scenario.moves_in(mode, assembly, &job) {
-            Ok(moves) => Ok(ParsedJob::new(name.into(), text, (job, size), moves)),
-            Err(refused) => Err(sentence(refused)),
-        }
+        scenario.moves_in(mode, assembly, job).map_err(sentence)
     }
 }
 

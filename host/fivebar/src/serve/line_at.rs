@@ -41,12 +41,12 @@ impl ParsedJob {
         let mut found: Option<(f32, u32)> = None;
         for next in self.moves.iter() {
             if next.tool > 0
-                && let Some(far) = place.and_then(|from| distance(from, next, point))
+                && let Some(far) = place.and_then(|from| distance(from, &next, point))
                 && found.is_none_or(|(least, _)| far < least)
             {
                 found = Some((far, next.tag));
             }
-            place = fivebar_sim::path_queue::end(next).or(place);
+            place = fivebar_sim::path_queue::end(&next).or(place);
         }
         let (_, line) = found?;
         let (_, at) = self.at_line(line)?;

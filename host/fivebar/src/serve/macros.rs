@@ -2,13 +2,11 @@
 
 use super::controller_thread::ControllerThread;
 use super::job_thread::{ReadMacro, Work, Workshop, sentence};
-use super::parsed_job::Size;
 use super::preview::JobStart;
 use super::requests::Refused;
 use super::wire::lease::{Page, PageId};
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::Move;
-use std::sync::Arc;
 
 impl Workshop {
     /// Reads a macro and checks it.
@@ -33,11 +31,9 @@ impl Workshop {
             ..Scenario::new(name, self.robot.clone(), "macro.gcode", text.clone())
         };
         let job = scenario.job().map_err(sentence)?;
-        let parsed = self.parsed(name, Arc::from(""), (job, Size::TRUE), start)?;
-        let message = self.preview.job(name, &parsed.job, &parsed.moves, start);
-        message
-            .refusal
-            .map_or_else(|| Ok(parsed.moves.to_vec()), Err)
+        let moves = self.moves(name, &job, start)?;
+        let message = self.preview.job(name, &job, &moves, start);
+        message.refusal.map_or(Ok(moves), Err)
     }
 }
 

@@ -53,8 +53,10 @@ mod job_thread;
 mod line_at;
 mod macros;
 mod maps;
+mod memory;
 mod mode_thread;
 mod move_feeder;
+mod packed;
 mod parsed_job;
 mod pen;
 mod preview;
@@ -120,6 +122,7 @@ pub fn serve(
     ready: impl FnOnce(SocketAddr, Option<&Endpoints>),
     ends: impl Fn() -> bool + Send + 'static,
 ) -> Result<(), ServeError> {
+    memory::give_back_large_blocks();
     let address = options.address;
     let planner = options
         .time_optimal

@@ -269,7 +269,7 @@ impl MoveFeeder {
         {
             run.sent += 1;
             let tag = run.sent as u32;
-            self.path.push(&[Move { tag, ..*next }]);
+            self.path.push(&[Move { tag, ..next }]);
         }
     }
 

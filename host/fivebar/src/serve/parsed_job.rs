@@ -1,8 +1,9 @@
 //! A job that was read: its moves, and what the controller gets of them.
 
+use super::packed::{Packed, Shelved};
 use super::preview::{JobStart, Preview};
 use super::wire::message::{Layer, brief};
-use fivebar_files::job::{Job, Pause};
+use fivebar_files::job::{Action, Job, Pause};
 use fivebar_firmware::Move;
 use fivebar_sim::path_queue::{divided, duration, end, length, remaining};
 use fivebar_sim::planned_time::planned_times;
@@ -17,15 +18,18 @@ const MOST_LAYERS: usize = 100;
 pub(super) struct ParsedJob {
     pub(super) name: String,
     /// The text of its file.
-    pub(super) text: Arc<str>,
-    pub(super) job: Arc<Job>,
-    pub(super) moves: Arc<[Move]>,
+    pub(super) text: Arc<Shelved<String>>,
+    /// The job, with the changes of mode in place of its steps.
+    pub(super) outline: Arc<Job>,
+    /// The job as a whole.
+    pub(super) job: Arc<Shelved<Job>>,
+    pub(super) moves: Arc<Packed<Move>>,
     /// The moves in parts short enough for a new share of the feed rate to take effect soon.
-    parts: Arc<[Move]>,
+    parts: Arc<Packed<Move>>,
     /// Where it waits for its user, among the parts.
     pauses: Arc<[Pause]>,
     /// What the controller gets: the parts, or a time-optimal motion along them.
-    pub(super) pieces: Arc<[Move]>,
+    pub(super) pieces: Arc<Packed<Move>>,
     /// The part that each piece belongs to; none: each is its own.
     part_of: Option<Arc<[usize]>>,
     /// The time from the start to the end of each piece [s]: planned, or at the feed rates.
@@ -58,24 +62,30 @@ impl Size {
 impl ParsedJob {
     pub(super) fn new(
         name: String,
-        text: Arc<str>,
-        (job, size): (Job, Size),
-        moves: Vec<Move>,
+        text: Arc<Shelved<String>>,
+        (mut job, size): (Job, Size),
+        moves: &[Move],
     ) -> Self {
-        let (parts, pauses) = job.with_pauses(&divided(None, &moves));
-        let moves: Arc<[Move]> = moves.into();
+        let shelved = Arc::new(Shelved::of(&job));
+        let changes = |action| matches!(action, Action::ChangeMode(_) | Action::Cross { .. });
+        job.steps.retain(|step| changes(step.action));
+        job.steps.shrink_to_fit();
+        let (parts, pauses) = job.with_pauses(&divided(None, moves));
+        let times = times(&parts);
+        let packed = Arc::new(Packed::of(moves));
         let parts = if parts.len() == moves.len() {
-            Arc::clone(&moves)
+            Arc::clone(&packed)
         } else {
-            parts.into()
+            Arc::new(Packed::of(&parts))
         };
         Self {
             name,
             text,
-            job: Arc::new(job),
+            outline: Arc::new(job),
+            job: shelved,
             pauses: pauses.into(),
-            moves,
-            times: times(&parts),
+            moves: packed,
+            times,
             is_timed: false,
             pieces: Arc::clone(&parts),
             part_of: None,
@@ -94,7 +104,7 @@ impl ParsedJob {
         goes_on: &dyn Fn() -> bool,
     ) -> Option<Self> {
         let start = preview.plan_start(start)?;
-        let times = planned_times(preview.settings(), start, &self.pieces, goes_on)?;
+        let times = planned_times(preview.settings(), start, &self.pieces.unpacked(), goes_on)?;
         Some(Self {
             times: times.into(),
             is_timed: true,
@@ -107,12 +117,13 @@ impl ParsedJob {
         if self.pauses.is_empty() {
             return Vec::new();
         }
-        let first = self.job.stops.iter().find(|stop| stop.before == 0);
+        let first = self.outline.stops.iter().find(|stop| stop.before == 0);
         let first = first.map_or_else(|| "The beginning".into(), ToString::to_string);
         let names = std::iter::once(first).chain(self.pauses.iter().map(|it| it.text.clone()));
         let ends = self.pauses.iter().map(|pause| pause.before);
         let ends = ends.chain([self.parts.len()]);
         let (mut begins, mut place) = (0, None);
+        let mut parts = self.parts.iter();
         let layers = names.zip(ends).take(MOST_LAYERS).map(|(name, ends)| {
             let mut layer = Layer {
                 name: brief(name),
@@ -120,14 +131,14 @@ impl ParsedJob {
                 length: 0.0,
             };
             let mut was_down = false;
-            for next in &self.parts[begins..ends] {
+            for next in parts.by_ref().take(ends - begins) {
                 let is_down = next.tool > 0;
                 if is_down {
                     layer.strokes += usize::from(!was_down);
-                    layer.length += length(place, next);
+                    layer.length += length(place, &next);
                 }
                 was_down = is_down;
-                place = end(next).or(place);
+                place = end(&next).or(place);
             }
             begins = ends;
             layer
@@ -150,48 +161,45 @@ impl ParsedJob {
         let from = start.tool().ok_or("The arm's position is unknown.")?;
         let checks = preview.planner(start);
         let mut checks = checks.map_err(|error| error.to_string())?;
-        let planned = planner.plan(from, &self.parts, &mut checks);
+        let planned = planner.plan(from, &self.parts.unpacked(), &mut checks);
         let planned = planned.map_err(|error| format!("Time-optimal motion: {error}."))?;
-        let pieces: Arc<[Move]> = planned.iter().map(|planned| planned.next).collect();
+        let pieces: Vec<Move> = planned.iter().map(|planned| planned.next).collect();
         let source = planned.iter().map(|planned| planned.source.unwrap_or(0));
         Ok(Self {
             part_of: Some(source.collect()),
             times: times(&pieces),
-            pieces,
+            pieces: Arc::new(Packed::of(&pieces)),
             ..self.clone()
         })
     }
 
     /// What remains of the job from a place on one of its parts on [m].
     pub(super) fn rest(&self, part: usize, place: [f32; 2]) -> Self {
-        let (before, rest) = self.parts.split_at(part.min(self.parts.len()));
-        let mut parts: Vec<Move> = Vec::with_capacity(rest.len() + 1);
+        let mut rest = self.parts.from(part);
+        let mut parts: Vec<Move> = Vec::new();
         let mut pauses = Vec::new();
-        if let Some((first, others)) = rest.split_first() {
-            parts.extend(remaining(place, *first));
+        if let Some(first) = rest.next() {
+            parts.extend(remaining(place, first));
             let ahead = self.pauses.iter().filter(|pause| pause.before > part);
             pauses.extend(ahead.map(|pause| Pause {
                 before: pause.before - part - 1 + parts.len(),
                 text: pause.text.clone(),
             }));
-            parts.extend(others);
+            parts.extend(rest);
         }
-        let done = self.pieces_before(before.len());
+        let done = self.pieces_before(part.min(self.parts.len()));
         let done = done.checked_sub(1).map_or(0.0, |last| self.times[last]);
-        let parts: Arc<[Move]> = parts.into();
+        let times = times(&parts);
+        let parts = Arc::new(Packed::of(&parts));
         Self {
-            name: self.name.clone(),
-            text: Arc::clone(&self.text),
-            job: Arc::clone(&self.job),
-            moves: Arc::clone(&self.moves),
             pieces: Arc::clone(&parts),
             part_of: None,
-            times: times(&parts),
+            times,
             is_timed: false,
             parts,
             pauses: pauses.into(),
             done: self.done + done,
-            size: self.size,
+            ..self.clone()
         }
     }
 
@@ -224,9 +232,14 @@ impl ParsedJob {
     /// The first part of this line or of one behind it, and where the tool is before it [m]; none if
     /// no move is.
     pub(super) fn at_line(&self, line: u32) -> Option<(usize, Option<[f32; 2]>)> {
-        let index = self.parts.iter().position(|next| next.tag >= line)?;
-        let place = self.parts[..index].iter().rev().find_map(end);
-        Some((index, place))
+        let mut place = None;
+        for (index, next) in self.parts.iter().enumerate() {
+            if next.tag >= line {
+                return Some((index, place));
+            }
+            place = end(&next).or(place);
+        }
+        None
     }
 }
 

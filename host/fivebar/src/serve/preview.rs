@@ -187,7 +187,7 @@ impl Preview {
         match checked {
             Ok(Ok(())) => {}
             Ok(Err(refusal)) => {
-                let mut lines = job.steps.iter().map(|step| step.line);
+                let mut lines = moves.iter().map(|next| next.tag);
                 let first = lines.find(|&line| line > 0).unwrap_or_default();
                 let place = |line| place_in_job(job.is_drawing, line);
                 let mut sentence = match refusal.tag {

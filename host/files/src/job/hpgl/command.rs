@@ -21,6 +21,10 @@ pub(super) fn commands(text: &str) -> impl Iterator<Item = Command> {
     std::iter::from_fn(move || {
         loop {
             rest = rest.trim_start_matches(|c: char| c == ';' || c == ',' || c.is_whitespace());
+            if rest.starts_with("@PJL") {
+                rest = rest.split_once('\n').map_or("", |(_, behind)| behind);
+                continue;
+            }
             match rest.strip_prefix(ESCAPE) {
                 Some(behind) => rest = behind_escape(behind),
                 None => break,
@@ -79,7 +83,7 @@ fn command(name: String, numbers: &str) -> Command {
     command
 }
 
-/// The text behind an escape: `.I81;;17:`, `.(`, `%0B`, `E`.
+/// The text behind an escape: `.I81;;17:`, `.(`, `%0B`, `E`, `%-12345X` before lines of `@PJL`.
 fn behind_escape(text: &str) -> &str {
     if let Some(text) = text.strip_prefix('.') {
         let mut characters = text.chars();
@@ -92,6 +96,7 @@ fn behind_escape(text: &str) -> &str {
             _ => behind,
         };
     }
-    let end = text.find(|c: char| c.is_ascii_alphabetic());
+    // Those of PCL end with a capital, `&l1X`.
+    let end = text.find(|c: char| c.is_ascii_uppercase());
     end.and_then(|end| text.get(end + 1..)).unwrap_or("")
 }

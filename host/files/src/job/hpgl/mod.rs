@@ -19,9 +19,9 @@ const LAST_PEN: f64 = 255.0;
 
 /// Commands that change no line: the chords of arcs, whose tolerance is the arm's, speed, force, widths, fonts, fills, formats of the page.
 const WITHOUT_LINES: &str = "CT VS FS PT PW WU LA CO NP PC BP PS MC SD AD SS SA SI SR DI DR DT SL ES FT \
-    LO DV AF PG RP NR TL IM IV OE OI OS OA OC OD OF OH OO OP OW AS AP CS CA UL SB TR MG EC MT QL CR CV PM EP";
+    LO DV AF PG RP NR TL IM IV OE OI OS OA OC OD OF OH OO OP OW AS AP CS CA UL SB TR MG EC MT QL CR CV EP";
 /// Commands with numbers, whose count was wrong if nothing else has read them.
-const WITH_NUMBERS: &str = "CI AA AR AT RT EA ER EW BZ BR IP SC RO";
+const WITH_NUMBERS: &str = "CI AA AR AT RT EA ER EW BZ BR IP SC RO PM";
 /// Commands that would draw otherwise than they are read here.
 const REFUSED: &str = "PE XT YT SM UC PB";
 
@@ -78,6 +78,10 @@ struct Plot {
     turns: u8,
     /// Those under which the first line was drawn.
     turns_drawn: Option<u8>,
+    /// Where a polygon of PM begins, in the file's units; PM1 and PM2 close it.
+    polygon: Option<[f64; 2]>,
+    /// Whether PM1 stands before: the next line goes to another polygon with the pen up.
+    is_between_polygons: bool,
     budget: Budget,
     notes: Vec<Warning>,
 }
@@ -97,6 +101,8 @@ impl Plot {
             is_open: false,
             turns: 0,
             turns_drawn: None,
+            polygon: None,
+            is_between_polygons: false,
             budget: Budget::points(),
             notes: Vec::new(),
         }
@@ -161,6 +167,7 @@ impl Plot {
             }
             ("RO", []) => self.turn(0.0)?,
             ("RO", &[angle]) => self.turn(angle)?,
+            ("PM", &[] | &[0.0 | 1.0 | 2.0]) => self.polygon(numbers)?,
             ("IW" | "LT", []) => {}
             ("LT", _) => self.note("dashed lines are drawn whole"),
             ("LB", _) => self.note("labels of LB are left out: convert them to lines"),
@@ -228,9 +235,27 @@ impl Plot {
         Ok(())
     }
 
+    /// Begins a polygon, or ends a part of it or the whole: plotters add the line to its beginning.
+    fn polygon(&mut self, mode: &[f64]) -> Result<(), String> {
+        let (is_end, is_whole) = (matches!(mode, [1.0 | 2.0]), mode == [2.0]);
+        if let Some(start) = self.polygon.filter(|&start| is_end && start != self.at)
+            && !self.is_between_polygons
+        {
+            self.line(start, self.is_down)?;
+        }
+        self.is_between_polygons = mode == [1.0];
+        self.polygon = Some(self.at).filter(|_| !is_whole);
+        Ok(())
+    }
+
     fn line(&mut self, to: [f64; 2], draws: bool) -> Result<(), String> {
         let [start, end] = [self.placed(self.at)?, self.placed(to)?];
         self.at = to;
+        if std::mem::take(&mut self.is_between_polygons) {
+            self.polygon = Some(to);
+            self.is_open = false;
+            return Ok(());
+        }
         let Some(number) = self.pen.filter(|_| draws) else {
             return Ok(());
         };
@@ -255,7 +280,11 @@ impl Plot {
 
     fn scaled(&mut self, [left, right]: [f64; 2], [low, high]: [f64; 2]) -> Result<(), String> {
         let Some([x1, y1, x2, y2]) = self.corners else {
-            return Err("its units depend on the plotter's P1 and P2, which no IP states".into());
+            let [width, height] = [right - left, high - low].map(f64::abs);
+            return Err(format!(
+                "its units depend on the plotter's P1 and P2, which no IP states: put a command \
+                 with their places in 0.025 mm before it, such as IP0,0,{width},{height}"
+            ));
         };
         let scale = [(x2 - x1) / (right - left), (y2 - y1) / (high - low)];
         if !scale.iter().all(|it| it.is_normal()) {

@@ -62,7 +62,7 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
         return Err(JobError::Drawing(reason));
     }
     let fonts = Fonts::new();
-    let tree = outlines::tree(&document, &fonts)?;
+    let (tree, without_width) = outlines::tree(&document, &fonts)?;
     let mut reader = Reader {
         height: f64::from(tree.size().height()),
         flattener: Flattener::new(options.tolerance / PIXEL),
@@ -75,6 +75,9 @@ fn drawn(text: &str, placement: &Placement, options: &JobOptions) -> Result<Job,
     };
     if text.contains("<image") {
         reader.note("images are left out: a tool draws lines only");
+    }
+    if without_width > 0 {
+        reader.note("lines of no width are left out, as viewers leave them out: give them a width");
     }
     reader.group(tree.root())?;
     let hatch = reader.hatch.take().into_iter();

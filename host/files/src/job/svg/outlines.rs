@@ -25,8 +25,8 @@ const EXACT: f64 = 4.5e4;
 const SHORT: f64 = 5.0;
 const BY_LENGTH: f64 = 4.0;
 
-/// The drawing in the document.
-pub(super) fn tree(document: &Document<'_>, fonts: &Fonts) -> Result<Tree, JobError> {
+/// The drawing in the document, and how many lines are not in it because they have no width.
+pub(super) fn tree(document: &Document<'_>, fonts: &Fonts) -> Result<(Tree, usize), JobError> {
     let parsed = |style: Option<String>| {
         let mut options = fonts.reading();
         options.style_sheet = style;
@@ -35,14 +35,26 @@ pub(super) fn tree(document: &Document<'_>, fonts: &Fonts) -> Result<Tree, JobEr
     let widths = Widths::of(document);
     let wide = parsed(Some(format!("*{{stroke-width:{WIDE:e}!important}}")))?;
     if !widths.are_needed {
-        return Ok(wide);
+        return Ok((wide, 0));
     }
     let mut steps = Steps {
         widest: widths.widest,
         budget: Budget::outlines(),
     };
     steps.take(wide.root()).map_err(super::too_large)?;
-    parsed(None)
+    let tree = parsed(None)?;
+    let left_out = seen(wide.root()).saturating_sub(seen(tree.root()));
+    Ok((tree, left_out))
+}
+
+/// How many paths of a group are seen.
+fn seen(group: &Group) -> usize {
+    let count = |node: &Node| match node {
+        Node::Group(group) => seen(group),
+        Node::Path(path) => usize::from(super::is_seen(path)),
+        Node::Text(_) | Node::Image(_) => 0,
+    };
+    group.children().iter().map(count).sum()
 }
 
 /// The widths of lines that a document states.
@@ -247,7 +259,7 @@ mod tests {
             let document = Document::parse(&text).expect("XML");
             assert!(!Widths::of(&document).are_needed, "{content}");
             let plain = Tree::from_xmltree(&document, &Fonts::new().reading()).expect("SVG");
-            let wide = tree(&document, &Fonts::new()).expect("SVG");
+            let (wide, _) = tree(&document, &Fonts::new()).expect("SVG");
             assert!(!paths(wide.root()).is_empty(), "{content}");
             assert_eq!(paths(wide.root()), paths(plain.root()), "{content}");
         }
@@ -269,7 +281,7 @@ mod tests {
             let document = Document::parse(&text).expect("XML");
             assert!(Widths::of(&document).are_needed, "{content}");
             let plain = Tree::from_xmltree(&document, &Fonts::new().reading()).expect("SVG");
-            let read = tree(&document, &Fonts::new()).expect("SVG");
+            let (read, _) = tree(&document, &Fonts::new()).expect("SVG");
             assert_eq!(paths(read.root()), paths(plain.root()), "{content}");
         }
     }
@@ -301,7 +313,7 @@ mod tests {
         let read = |content: &str| {
             let text = page(content);
             tree(&Document::parse(&text).expect("XML"), &Fonts::new())
-                .map(|it| paths(it.root()).len())
+                .map(|it| paths(it.0.root()).len())
         };
         assert_eq!(read(&format!("{curve}/>").repeat(1000)).expect("SVG"), 1000);
         let refused = read(&format!("{marker}{curve} marker-end='url(#m)'/>"));

@@ -60,6 +60,7 @@ let loaded = null; // the job that was loaded last
 let next = null; // the control that does the next step
 let marked = null; // the control that is marked, because the next step has its own place
 let nextBefore = null; // the one before
+let stateBefore; // the arm's state when the next step was shown last
 let nextSince = -PAUSE; // when it changed [ms]
 const clicks = new ClickGuard();
 const NOT_MEANT = "Not done, because a click in this place has just done something else. Look at the arm, then click again.";
@@ -179,6 +180,10 @@ function showControls() {
   if (isControl === watching) at("control").setAttribute("aria-disabled", !watching);
   const [advice, control, words, elsewhere] = nextStep(last, loaded, fault, watching);
   marked = elsewhere ? controlOf(elsewhere) : null;
+  const [was, is] = [stateBefore, last?.state];
+  stateBefore = is;
+  // The way out of a fault, and back to a job that waits.
+  if (marked && is !== was && (is === "Fault" || was === "Stopped")) showTabOf(marked);
   if (control !== next) [next, nextBefore, nextSince] = [control, next, performance.now()];
   put("advice", advice);
   put("next", words);

@@ -1,5 +1,6 @@
 use crate::senders::{Console, Endpoints, Senders};
 use crate::serve::controller_thread::ControllerThread;
+use crate::serve::packed::Shelved;
 use crate::serve::parsed_job::{ParsedJob, Size};
 use crate::serve::wire::channels::{WebEnd, channels};
 use crate::serve::wire::message::ServerMessage;
@@ -230,8 +231,9 @@ fn a_stop_keeps_the_place_of_a_job_and_says_where_it_is() {
     let job = Job::parse("G1 X-1 F600\nX-20\n", &placement).unwrap();
     let lines = job.steps.iter().map(|step| step.line);
     let moves = job.moves(0.1).zip(lines);
-    let moves = moves.map(|(next, tag)| Move { tag, ..next }).collect();
-    let job = ParsedJob::new("a job".into(), "".into(), (job, Size::TRUE), moves);
+    let moves: Vec<_> = moves.map(|(next, tag)| Move { tag, ..next }).collect();
+    let text = Arc::new(Shelved::of(&String::new()));
+    let job = ParsedJob::new("a job".into(), text, (job, Size::TRUE), &moves);
     rig.thread.feeder.run(Arc::new(job), 1, None);
     let notices = rig.stop(Stop::OnPath);
     assert!(!rig.thread.feeder.is_running());
