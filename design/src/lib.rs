@@ -6,6 +6,7 @@ pub mod crossing;
 pub mod derivatives;
 mod dual;
 mod fit;
+mod gradient;
 pub mod identification;
 pub mod joint_path;
 pub mod linkage;
@@ -21,4 +22,5 @@ pub mod time_optimal;
 pub mod workspace;
 
 pub use dual::{Dual, HyperDual};
+pub use gradient::Gradient;
 pub use noise::Noise;

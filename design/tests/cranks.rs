@@ -2,7 +2,7 @@
 
 use fivebar_design::Noise;
 use fivebar_design::synthesis::{
-    Area, CrankRange, Objective, Proof, Specification, Study, Tolerance, synthesise,
+    Area, CrankRange, Objective, Proof, Specification, Stock, Study, Tolerance, synthesise,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -18,6 +18,7 @@ fn leg(aspect: f64, dexterity: f64) -> Specification {
         dexterity,
         sine: 0.0,
         cranks: None,
+        stock: Stock::default(),
         tolerance: Tolerance::default(),
         objective: Objective::Size,
         front: 1,

@@ -12,6 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Generations of the search, and of the second one beside its result with the samples of the check.
 const GENERATIONS: usize = 120;
 const CHECK_GENERATIONS: usize = 40;
+/// The share of a budget that the first search may spend.
+const SEARCH_SHARE: f64 = 0.7;
 /// The width of the second search.
 const BESIDE: f64 = 0.04;
 /// Bisections of a size or a sum: in the search, and of the result.
@@ -37,6 +39,8 @@ pub(super) struct Problem<'a> {
     search: Samples,
     check: Samples,
     evaluations: AtomicU64,
+    /// How often the areas of arms may be examined.
+    budget: u64,
 }
 
 /// The least of what is required over an area.
@@ -103,18 +107,24 @@ impl Candidate {
 
 impl<'a> Problem<'a> {
     /// The search for an arm with this least 1/κ.
-    pub(super) fn new(specification: &'a Specification, dexterity: f64) -> Self {
+    pub(super) fn new(specification: &'a Specification, dexterity: f64, budget: u64) -> Self {
         Self {
             specification,
             dexterity,
             search: specification.area.samples(Density::Search),
             check: specification.area.samples(Density::Check),
             evaluations: AtomicU64::new(0),
+            budget,
         }
     }
 
     pub(super) fn evaluations(&self) -> u64 {
         self.evaluations.load(Ordering::Relaxed)
+    }
+
+    /// Whether this share of the budget is not spent yet.
+    pub(super) fn has_left(&self, share: f64) -> bool {
+        self.evaluations() as f64 <= share * self.budget as f64
     }
 
     /// The best design that the search finds, with its score; without one, how far its best candidate falls short,
@@ -132,6 +142,7 @@ impl<'a> Problem<'a> {
             dimensions,
             GENERATIONS,
             seed,
+            || self.has_left(SEARCH_SHARE),
             |point, floor| score(point, Density::Search, floor),
             |scored| {
                 self.record(
@@ -150,6 +161,7 @@ impl<'a> Problem<'a> {
             dimensions,
             CHECK_GENERATIONS,
             seed,
+            || self.has_left(1.0),
             |point, floor| score(&beside(point), Density::Check, floor),
             |scored| {
                 let points: Vec<_> = scored.iter().map(|(point, _)| beside(point)).collect();

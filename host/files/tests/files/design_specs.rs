@@ -1,6 +1,6 @@
 //! Specifications of `fivebar design`: areas, sizes and what is refused.
 
-use fivebar_design::synthesis::{Area, Objective, Specification};
+use fivebar_design::synthesis::{Area, Objective, Specification, Stock};
 use fivebar_files::design_spec::parse;
 use fivebar_files::source::FileError;
 use std::path::Path;
@@ -161,5 +161,49 @@ fn either_requirement_alone_suffices_and_none_is_refused() {
             refused.starts_with("spec.toml, line ") && refused.contains(reason),
             "{refused}"
         );
+    }
+}
+
+#[test]
+fn lengths_in_stock_are_a_step_or_a_list() {
+    let stock = |stock: &str| {
+        let objective = format!("maximise = \"size\"\n{stock}");
+        spec("kind = \"annulus\"", &objective).map(|spec| spec.stock)
+    };
+    assert_eq!(stock("").unwrap(), Stock::default());
+    assert_eq!(Stock::step(1e-3).unwrap(), Stock::default());
+    assert_eq!(
+        stock("[stock]\nstep = 0.005").unwrap(),
+        Stock::step(5e-3).unwrap()
+    );
+    assert_eq!(
+        stock("[stock]\nlengths = [0.2, 0.1]").unwrap(),
+        Stock::list(&[0.1, 0.2]).unwrap()
+    );
+    for (text, reason) in [
+        ("[stock]", "`step` of [stock] must be given"),
+        (
+            "[stock]\nstep = 0.001\nlengths = [0.1]",
+            "`step` of [stock] must be given",
+        ),
+        (
+            "[stock]\nstep = 0.0",
+            "`step` of [stock] must be 0.0001 to 20.0 m",
+        ),
+        (
+            "[stock]\nlengths = [0.1, -0.1]",
+            "`lengths` of [stock] must be one",
+        ),
+        (
+            "[stock]\nlengths = []",
+            "`lengths` of [stock] must be one length or more",
+        ),
+        (
+            "[stock]\nlengths = [100.0]",
+            "`lengths` of [stock] must be one",
+        ),
+    ] {
+        let error = stock(text).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
     }
 }

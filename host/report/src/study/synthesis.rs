@@ -13,13 +13,13 @@ pub fn answer(synthesis: &Synthesis) -> Value {
     };
     json!({
         "best": design(&synthesis.best),
-        "whole_millimetres": design(&synthesis.whole),
+        "stock": design(&synthesis.stock),
         "front": synthesis.front.iter().map(design).collect::<Vec<_>>(),
         "sensitivity_per_m": synthesis.sensitivity,
         "evaluations": synthesis.evaluations,
         "proved": synthesis.proof == Proof::Proved,
         "unproved_at": unproved_at,
-        "whole_proved": synthesis.whole_proof == Proof::Proved,
+        "stock_proved": synthesis.stock_proof == Proof::Proved,
     })
 }
 

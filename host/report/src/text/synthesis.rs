@@ -10,14 +10,14 @@ pub fn synthesis(synthesis: &Synthesis) -> String {
         "                    l1       l2       l3       l4     base      sum     size   1/κ  place x, y\n",
     );
     row(&mut text, "best", &synthesis.best);
-    row(&mut text, "whole mm", &synthesis.whole);
+    row(&mut text, "stock", &synthesis.stock);
     for (index, design) in synthesis.front.iter().enumerate().skip(1) {
         row(&mut text, &format!("front {}", index + 1), design);
     }
     text.push_str(
         "at the worst point  torque for 1 N  speed at 1 rad/s  stiffness at 1 N·m/rad  RMS error\n",
     );
-    for (name, design) in [("best", &synthesis.best), ("whole mm", &synthesis.whole)] {
+    for (name, design) in [("best", &synthesis.best), ("stock", &synthesis.stock)] {
         let measures = design.measures;
         let error = match measures.error {
             0.0 => "no tolerance given".to_owned(),
@@ -43,7 +43,7 @@ pub fn synthesis(synthesis: &Synthesis) -> String {
     );
     for (what, proof) in [
         ("best:", synthesis.proof),
-        ("whole mm:", synthesis.whole_proof),
+        ("stock:", synthesis.stock_proof),
     ] {
         let _ = writeln!(text, "{}", proof_sentence(what, proof));
     }

@@ -1,0 +1,292 @@
+//! Random specifications: the arms that a bounded search finds keep them at every place that the kinematics samples.
+
+use fivebar_design::Noise;
+use fivebar_design::synthesis::{
+    Area, CrankRange, Design, Measure, Objective, Proof, Specification, Stock, Study, Tolerance,
+};
+use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+use nalgebra::Vector2;
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Areas of arms that a search may examine.
+const BUDGET: u64 = 20_000;
+/// By how much a sample may fall short of 1/κ or of a sine: the search looks between its own samples to this.
+const BETWEEN: f64 = 1e-6;
+/// The area's size where it is not sought [m].
+const SIZE: f64 = 0.2;
+/// The results of the campaign.
+const RESULTS: &str = "../docs/verify/data/random_specifications.csv";
+
+/// A specification with the limits that the sampling looks at.
+struct Drawn {
+    specification: Specification,
+    /// The name of its area.
+    area: &'static str,
+    /// The paths of size 1, if the area is of paths.
+    paths: Vec<Vec<[f64; 2]>>,
+    /// The range of the cranks [rad].
+    cranks: Option<[f64; 2]>,
+    /// The step of lengths in stock [m], or a list of them.
+    stock: Result<f64, Vec<f64>>,
+}
+
+fn draw(noise: &mut Noise) -> Drawn {
+    let mut between = |low: f64, high: f64| low + (high - low) * noise.uniform();
+    let kind = between(0.0, 4.0) as usize;
+    let mut point = || {
+        vec![between(0.0, 1.0), between(0.0, 1.0)]
+            .try_into()
+            .unwrap()
+    };
+    let points: Vec<[f64; 2]> = (0..4).map(|_| point()).collect();
+    let (name, area, paths) = match kind {
+        0 => ("ring", Area::Annulus, Vec::new()),
+        1 => {
+            let aspect = between(0.5, 2.0);
+            ("rectangle", Area::Rectangle { aspect }, Vec::new())
+        }
+        _ => {
+            let (name, paths) = match kind {
+                2 => ("points", points.iter().map(|&point| vec![point]).collect()),
+                _ => ("path", vec![points]),
+            };
+            let area = Area::paths(&paths).unwrap();
+            let Area::Paths(paths) = area.clone() else {
+                unreachable!()
+            };
+            (name, area, paths)
+        }
+    };
+    let least = between(0.0, 1.0);
+    let cranks = [least, least + between(1.2, 2.4)];
+    let cranks = (kind > 0 && between(0.0, 1.0) < 0.7).then_some(cranks);
+    let coaxial = between(0.0, 1.0) < 0.2;
+    let objective = match between(0.0, 5.0) as usize {
+        0 => Objective::Size,
+        1 => Objective::LinkSum(SIZE),
+        2 => Objective::Dexterity(SIZE),
+        3 => Objective::Measure(Measure::Torque, SIZE),
+        _ => Objective::Measure(Measure::Speed, SIZE),
+    };
+    let stock: Result<f64, Vec<f64>> = match between(0.0, 3.0) as usize {
+        0 => Ok(1e-3),
+        1 => Ok(5e-3),
+        _ => Err((0..50).map(|_| between(0.02, 1.0)).collect()),
+    };
+    let specification = Specification {
+        symmetric: between(0.0, 1.0) < 0.5,
+        base: [0.0, if coaxial { 0.0 } else { between(0.05, 0.5) }],
+        link_sum: 1.0,
+        area,
+        dexterity: between(0.1, 0.45),
+        sine: (between(0.0, 1.0) - 0.5).max(0.0),
+        cranks: cranks.and_then(CrankRange::new),
+        stock: match &stock {
+            Ok(step) => Stock::step(*step).unwrap(),
+            Err(list) => Stock::list(list).unwrap(),
+        },
+        tolerance: Tolerance::default(),
+        objective,
+        front: 1,
+        starts: 1,
+    };
+    Drawn {
+        specification,
+        area: name,
+        paths,
+        cranks,
+        stock,
+    }
+}
+
+/// A place of the area, from the middle of the base [m].
+fn place(drawn: &Drawn, design: &Design, noise: &mut Noise, sample: usize) -> Vector2<f64> {
+    let (mut u, mut v) = (noise.uniform(), noise.uniform());
+    // Half of them on the rim, where the limits are.
+    match sample % 8 {
+        0 => u = 0.0,
+        1 => u = 1.0,
+        2 => v = 0.0,
+        3 => v = 1.0,
+        _ => (),
+    }
+    let at = |x: f64, y: f64| {
+        let [from_x, from_y] = design.place;
+        Vector2::new(from_x + design.size * x, from_y + design.size * y)
+    };
+    match &drawn.specification.area {
+        Area::Annulus => {
+            let (sin, cos) = (TAU * v).sin_cos();
+            Vector2::new(cos, sin) * (design.place[1] + design.size * u)
+        }
+        Area::Rectangle { aspect } => at(u - 0.5, v / aspect),
+        _ => {
+            let path = &drawn.paths[sample % drawn.paths.len()];
+            let along = u * (path.len() - 1) as f64;
+            let from = (along as usize).min(path.len() - 1);
+            let ([x0, y0], [x1, y1]) = (path[from], path[(from + 1).min(path.len() - 1)]);
+            let share = along - from as f64;
+            at(x0 + share * (x1 - x0), y0 + share * (y1 - y0))
+        }
+    }
+}
+
+/// What the samples have left to the limits.
+#[derive(Clone, Copy)]
+struct Left {
+    /// The least 1/κ.
+    dexterity: f64,
+    /// The least sine of both elbows and at C.
+    sine: f64,
+    /// The least angle to a limit of the cranks [rad].
+    crank: f64,
+    /// Whether sin(θ3 − θ2) has one sign.
+    one_mode: bool,
+}
+
+fn sampled(drawn: &Drawn, design: &Design, noise: &mut Noise, samples: usize) -> Left {
+    let geometry = Geometry::new(design.lengths).unwrap();
+    let mode = WorkingMode::new(Side::Right, Side::Left);
+    let mut left = Left {
+        dexterity: f64::INFINITY,
+        sine: f64::INFINITY,
+        crank: f64::INFINITY,
+        one_mode: true,
+    };
+    let mut sign = None;
+    for sample in 0..samples {
+        let middle = Vector2::new(0.5 * design.lengths[4], 0.0);
+        let c = middle + place(drawn, design, noise, sample);
+        let Ok(pose) = geometry.inverse(c, mode) else {
+            left.dexterity = f64::NEG_INFINITY;
+            return left;
+        };
+        let dexterity = geometry.jacobian(&pose).unwrap().inverse_condition();
+        left.dexterity = left.dexterity.min(dexterity);
+        let sines = [pose.sin21(), pose.sin34(), pose.sin32()].map(f64::abs);
+        left.sine = sines.into_iter().fold(left.sine, f64::min);
+        let positive = pose.sin32() > 0.0;
+        left.one_mode &= *sign.get_or_insert(positive) == positive;
+        if let Some([least, greatest]) = drawn.cranks {
+            let [theta1, _, _, theta4] = pose.angles();
+            for angle in [theta1, PI - theta4] {
+                let off = angle - 0.5 * (least + greatest);
+                let off = off - (off / TAU).round() * TAU;
+                left.crank = left.crank.min(0.5 * (greatest - least) - off.abs());
+            }
+        }
+    }
+    left
+}
+
+/// Whether the arm is what was asked for, at every sample.
+fn is_kept(drawn: &Drawn, design: &Design, left: Left) -> bool {
+    let specification = &drawn.specification;
+    let [l1, l2, l3, l4, base] = design.lengths;
+    let [low, high] = specification.base;
+    let is_symmetric = l1 == l4 && l2 == l3;
+    let is_size_sought = specification.objective == Objective::Size;
+    left.one_mode
+        && left.dexterity >= specification.dexterity - BETWEEN
+        && left.sine >= specification.sine - BETWEEN
+        && left.crank >= 0.0
+        && (low..=high).contains(&base)
+        && design.link_sum() <= specification.link_sum + 1e-12
+        && (is_symmetric || !specification.symmetric)
+        && (is_size_sought || design.size == SIZE)
+}
+
+/// Whether the links are in stock.
+fn is_in_stock(drawn: &Drawn, design: &Design) -> bool {
+    design.lengths[..4]
+        .iter()
+        .all(|&length| match &drawn.stock {
+            Ok(step) => (length / step - (length / step).round()).abs() < 1e-6,
+            Err(list) => list.contains(&length),
+        })
+}
+
+/// The row of a specification in the results, and whether an arm was found, is proved, and keeps everything.
+fn tried(index: usize, noise: &mut Noise, samples: usize) -> (String, [bool; 3]) {
+    let drawn = draw(noise);
+    let specification = &drawn.specification;
+    let study = Study::new(specification, index as u64).within(BUDGET);
+    let legs = if specification.symmetric {
+        "equal"
+    } else {
+        "unlike"
+    };
+    let mut row = format!("{index},{},{legs}", drawn.area);
+    let Ok(found) = study.run(&[], &|_, _| {}) else {
+        return (row + ",no,,,,,\n", [false, false, true]);
+    };
+    let left = sampled(&drawn, &found.best, noise, samples);
+    let stock = sampled(&drawn, &found.stock, noise, samples);
+    // Lengths in stock may not meet what is required, but they are what they say.
+    let is_stock_true = found.stock.dexterity <= stock.dexterity.max(0.0) + BETWEEN;
+    let is_stock_true = is_stock_true && is_in_stock(&drawn, &found.stock);
+    let kept = is_kept(&drawn, &found.best, left) && is_stock_true;
+    let is_proved = found.proof == Proof::Proved;
+    let over = |left: f64, least: f64| match left.is_finite() && least > 0.0 {
+        true => format!("{:.7}", left - least),
+        false => String::new(),
+    };
+    let crank = match drawn.cranks {
+        Some(_) => format!("{:.7}", left.crank),
+        None => String::new(),
+    };
+    let _ = writeln!(
+        row,
+        ",yes,{},{},{},{crank},{}",
+        if is_proved { "yes" } else { "no" },
+        over(left.dexterity, specification.dexterity),
+        over(left.sine, specification.sine),
+        if kept { "kept" } else { "VIOLATED" },
+    );
+    (row, [true, is_proved, kept])
+}
+
+/// The results of so many specifications; each has random numbers of its own.
+fn campaign(count: usize, samples: usize) -> (String, [usize; 3]) {
+    let mut text = String::from(
+        "specification,area,legs,found,proved,1/κ over the least,sine over the least,angle to a limit of the cranks [rad],verdict\n",
+    );
+    let mut counts = [0; 3];
+    for index in 0..count {
+        let (row, verdicts) = tried(index, &mut Noise::new(index as u64), samples);
+        print!("{row}");
+        text += &row;
+        for (count, verdict) in counts.iter_mut().zip(verdicts) {
+            *count += usize::from(verdict);
+        }
+    }
+    (text, counts)
+}
+
+#[test]
+fn arms_keep_random_specifications() {
+    let (text, [found, proved, kept]) = campaign(3, 2000);
+    assert!(found == 3 && proved == found && kept == 3, "{text}");
+}
+
+#[test]
+#[ignore = "minutes: ./ci.sh tables"]
+fn whole_table_of_200_random_specifications() {
+    let (text, [found, proved, kept]) = campaign(200, 20_000);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(RESULTS);
+    if std::env::var_os("FIVEBAR_UPDATE").is_some() {
+        std::fs::write(&path, &text).unwrap();
+    }
+    assert_eq!(kept, 200);
+    assert!(
+        found >= 100 && proved == found,
+        "{found} found, {proved} proved"
+    );
+    assert_eq!(
+        text,
+        std::fs::read_to_string(&path).unwrap(),
+        "FIVEBAR_UPDATE=1 writes it"
+    );
+}
