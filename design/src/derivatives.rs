@@ -46,6 +46,7 @@ pub struct State {
 
 /// Quantities with their derivatives, in the orders of [`QUANTITY_NAMES`] and [`VARIABLE_NAMES`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Derivatives {
     /// The quantities.
     pub value: [f64; QUANTITIES],

@@ -7,6 +7,7 @@ pub mod derivatives;
 mod dual;
 mod fit;
 mod gradient;
+pub mod guide;
 pub mod identification;
 pub mod joint_path;
 pub mod linkage;

@@ -2,9 +2,11 @@
 
 use fivebar_design::Noise;
 use fivebar_design::synthesis::{
-    Area, CrankRange, Design, Measure, Objective, Proof, Specification, Stock, Study, Tolerance,
+    Area, CrankRange, Design, Drive, Measure, Objective, Payload, Proof, Specification, Stock,
+    Study, Tolerance,
 };
-use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
+use fivebar_kinematics::dynamics::{Arm, Link};
+use fivebar_kinematics::five_bar::{Geometry, Pose, Side, WorkingMode};
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
@@ -87,6 +89,7 @@ fn draw(noise: &mut Noise) -> Drawn {
             Ok(step) => Stock::step(*step).unwrap(),
             Err(list) => Stock::list(list).unwrap(),
         },
+        payload: (between(0.0, 1.0) < 0.4).then(|| payload(&mut between)),
         tolerance: Tolerance::default(),
         objective,
         front: 1,
@@ -98,6 +101,27 @@ fn draw(noise: &mut Noise) -> Drawn {
         paths,
         cranks,
         stock,
+    }
+}
+
+/// A tip's load that moves under gravity, and three drives.
+fn payload(between: &mut dyn FnMut(f64, f64) -> f64) -> Payload {
+    let drive = |torque: f64| Drive {
+        name: format!("{torque} N·m"),
+        torque,
+        speed: 20.0,
+        torque_limit: 0.8 * torque,
+        inertia: 2e-3 * torque,
+        price: torque,
+        mass: 0.0,
+    };
+    Payload {
+        mass: between(0.05, 0.3),
+        speed: between(0.1, 1.0),
+        acceleration: between(0.5, 5.0),
+        gravity: [0.0, -9.81],
+        link_density: between(0.1, 0.5),
+        drives: [3.0, 8.0, 20.0].map(drive).into(),
     }
 }
 
@@ -134,7 +158,7 @@ fn place(drawn: &Drawn, design: &Design, noise: &mut Noise, sample: usize) -> Ve
 }
 
 /// What the samples have left to the limits.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Left {
     /// The least 1/κ.
     dexterity: f64,
@@ -142,6 +166,8 @@ struct Left {
     sine: f64,
     /// The least angle to a limit of the cranks [rad].
     crank: f64,
+    /// The least share of the torque of the cheapest drive.
+    torque: f64,
     /// Whether sin(θ3 − θ2) has one sign.
     one_mode: bool,
 }
@@ -153,6 +179,7 @@ fn sampled(drawn: &Drawn, design: &Design, noise: &mut Noise, samples: usize) ->
         dexterity: f64::INFINITY,
         sine: f64::INFINITY,
         crank: f64::INFINITY,
+        torque: f64::INFINITY,
         one_mode: true,
     };
     let mut sign = None;
@@ -167,6 +194,10 @@ fn sampled(drawn: &Drawn, design: &Design, noise: &mut Noise, samples: usize) ->
         left.dexterity = left.dexterity.min(dexterity);
         let sines = [pose.sin21(), pose.sin34(), pose.sin32()].map(f64::abs);
         left.sine = sines.into_iter().fold(left.sine, f64::min);
+        if let Some(payload) = &drawn.specification.payload {
+            let share = torque_left(payload, design, &geometry, &pose, noise);
+            left.torque = left.torque.min(share);
+        }
         let positive = pose.sin32() > 0.0;
         left.one_mode &= *sign.get_or_insert(positive) == positive;
         if let Some([least, greatest]) = drawn.cranks {
@@ -181,6 +212,42 @@ fn sampled(drawn: &Drawn, design: &Design, noise: &mut Noise, samples: usize) ->
     left
 }
 
+/// The share of the torque that the cheapest drive has left, by the inverse dynamics for rods, in a random direction of speed
+/// and of acceleration.
+fn torque_left(
+    payload: &Payload,
+    design: &Design,
+    geometry: &Geometry<f64>,
+    pose: &Pose<f64>,
+    noise: &mut Noise,
+) -> f64 {
+    let Some(drive) = payload.cheapest(design.load) else {
+        return f64::NEG_INFINITY;
+    };
+    let [l1, l2, l3, l4, _] = geometry.lengths();
+    let rods = [l1, l2, l3, l4].map(|l| Link::uniform_rod(payload.link_density * l, l));
+    let gravity = payload.gravity.into();
+    let arm = Arm::new(*geometry, rods, payload.mass, gravity, [drive.inertia; 2]).unwrap();
+    let mut any = |length: f64| {
+        let (sin, cos) = (TAU * noise.uniform()).sin_cos();
+        Vector2::new(cos, sin) * length
+    };
+    let (v, a) = (any(payload.speed), any(payload.acceleration));
+    let velocities = geometry.inverse_velocities(pose, v).unwrap();
+    let accelerations = geometry
+        .inverse_accelerations(pose, &velocities, a)
+        .unwrap();
+    let torques = arm
+        .inverse_dynamics(pose, &velocities, &accelerations, Vector2::zeros())
+        .unwrap();
+    let left = [0, 1].map(|joint| {
+        let (torque, speed) = (torques[joint].abs(), velocities.omega[3 * joint].abs());
+        let available = drive.torque * (1.0 - speed / drive.speed);
+        (available.min(drive.torque_limit) - torque) / drive.torque
+    });
+    left[0].min(left[1])
+}
+
 /// Whether the arm is what was asked for, at every sample.
 fn is_kept(drawn: &Drawn, design: &Design, left: Left) -> bool {
     let specification = &drawn.specification;
@@ -192,6 +259,7 @@ fn is_kept(drawn: &Drawn, design: &Design, left: Left) -> bool {
         && left.dexterity >= specification.dexterity - BETWEEN
         && left.sine >= specification.sine - BETWEEN
         && left.crank >= 0.0
+        && left.torque >= 0.0
         && (low..=high).contains(&base)
         && design.link_sum() <= specification.link_sum + 1e-12
         && (is_symmetric || !specification.symmetric)
@@ -220,7 +288,7 @@ fn tried(index: usize, noise: &mut Noise, samples: usize) -> (String, [bool; 3])
     };
     let mut row = format!("{index},{},{legs}", drawn.area);
     let Ok(found) = study.run(&[], &|_, _| {}) else {
-        return (row + ",no,,,,,\n", [false, false, true]);
+        return (row + ",no,,,,,,\n", [false, false, true]);
     };
     let left = sampled(&drawn, &found.best, noise, samples);
     let stock = sampled(&drawn, &found.stock, noise, samples);
@@ -233,13 +301,14 @@ fn tried(index: usize, noise: &mut Noise, samples: usize) -> (String, [bool; 3])
         true => format!("{:.7}", left - least),
         false => String::new(),
     };
-    let crank = match drawn.cranks {
-        Some(_) => format!("{:.7}", left.crank),
-        None => String::new(),
+    let shown = |left: f64| match left.is_finite() {
+        true => format!("{left:.7}"),
+        false => String::new(),
     };
+    let (crank, torque) = (shown(left.crank), shown(left.torque));
     let _ = writeln!(
         row,
-        ",yes,{},{},{},{crank},{}",
+        ",yes,{},{},{},{crank},{torque},{}",
         if is_proved { "yes" } else { "no" },
         over(left.dexterity, specification.dexterity),
         over(left.sine, specification.sine),
@@ -251,7 +320,7 @@ fn tried(index: usize, noise: &mut Noise, samples: usize) -> (String, [bool; 3])
 /// The results of so many specifications; each has random numbers of its own.
 fn campaign(count: usize, samples: usize) -> (String, [usize; 3]) {
     let mut text = String::from(
-        "specification,area,legs,found,proved,1/κ over the least,sine over the least,angle to a limit of the cranks [rad],verdict\n",
+        "specification,area,legs,found,proved,1/κ over the least,sine over the least,angle to a limit of the cranks [rad],share of a drive's torque left,verdict\n",
     );
     let mut counts = [0; 3];
     for index in 0..count {

@@ -20,6 +20,7 @@ fn leg(area: Area, dexterity: f64) -> Specification {
         sine: 0.0,
         cranks: None,
         stock: Stock::default(),
+        payload: None,
         tolerance: Tolerance::default(),
         objective: Objective::Size,
         front: 1,

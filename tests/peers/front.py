@@ -36,8 +36,8 @@ front = {front}
 CASES = {
     "a ring, coaxial": ('kind = "annulus"', [0.0, 0.0]),
     "a square, base up to 0.1 m": ('kind = "square"', [0.0, 0.1]),
-    "twice as wide as high, base 0.05 to 0.2 m": ('kind = "rectangle"\naspect = 2.0', [0.05, 0.2]),
-    "twice as high as wide, base up to 0.2 m": ('kind = "rectangle"\naspect = 0.5', [0.0, 0.2]),
+    "a wide rectangle, base 0.05 to 0.2 m": ('kind = "rectangle"\naspect = 2.0', [0.05, 0.2]),
+    "a high rectangle, base up to 0.2 m": ('kind = "rectangle"\naspect = 0.5', [0.0, 0.2]),
 }
 
 
@@ -122,10 +122,11 @@ def main():
                          f"{whole:.4f} | {largest:.5f} |")
             print(lines[-1], f"{spent:.1f} s, {slower:.1f} s", flush=True)
     if given.write:
+        seeds = " ".join(map(str, given.seeds))
         page = __doc__.split("\n\n")[2].strip()
         given.write.write_text(
             "# The front beside NSGA-II\n\n"
-            f"`python tests/peers/front.py --front {given.front} --write docs/verify/front.md` makes this page.\n"
+            f"`python tests/peers/front.py --front {given.front} --seeds {seeds} --write docs/verify/front.md` makes this page.\n"
             f"{page}\n\n" + "\n".join(lines) + "\n", encoding="utf-8")
     sys.exit(f"front: NSGA-II is better {worse} times" if worse else 0)
 

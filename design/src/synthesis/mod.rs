@@ -17,6 +17,7 @@ mod cranks;
 mod evolution;
 mod interval;
 mod measure;
+mod payload;
 mod problem;
 mod proof;
 mod stock;
@@ -25,6 +26,7 @@ mod study;
 pub use area::Area;
 pub use cranks::CrankRange;
 pub use measure::{Measure, Measures, Tolerance, WorstPoints};
+pub use payload::{Drive, Load, Payload};
 pub use proof::Proof;
 pub use stock::Stock;
 pub use study::{Candidate, Found, Study};
@@ -52,6 +54,8 @@ pub struct Specification {
     pub cranks: Option<CrankRange>,
     /// The lengths that a builder can have.
     pub stock: Stock,
+    /// What the tip carries, and the drives to choose from; none if nothing is asked of them.
+    pub payload: Option<Payload>,
     /// The errors of the arm, for the error of its tip.
     pub tolerance: Tolerance,
     /// What is sought.
@@ -78,6 +82,7 @@ pub enum Objective {
 
 /// An arm with its work area.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Design {
     /// l1…l4 and the base [m].
     pub lengths: [f64; 5],
@@ -91,6 +96,8 @@ pub struct Design {
     pub measures: Measures,
     /// Where these worst points are.
     pub worst_points: WorstPoints,
+    /// What the specification's payload asks of a drive; 0 without one.
+    pub load: Load,
 }
 
 impl Design {
@@ -103,6 +110,7 @@ impl Design {
 
 /// The answer to a specification.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Synthesis {
     /// The best design.
     pub best: Design,
@@ -114,6 +122,8 @@ pub struct Synthesis {
     /// How much 1/κ changes per length of l1…l4 and the base [1/m], at the worst point of the best
     /// design's area; the greater loss of a longer and a shorter link.
     pub sensitivity: [f64; 5],
+    /// The cheapest drive that carries the payload in the area of the best design, and in that of the lengths in stock.
+    pub drives: [Option<Drive>; 2],
     /// How often the area of an arm was examined.
     pub evaluations: u64,
     /// Whether the best design is free of singularities in its area.
@@ -137,7 +147,7 @@ impl fmt::Display for SynthesisError {
         match self {
             Self::NotFound(short) => write!(
                 f,
-                "no arm was found; the best candidate falls short of `dexterity`, `sine` or `crank` by {short:.3}: \
+                "no arm was found; the best candidate falls short of `dexterity`, `sine`, `crank` or [payload] by {short:.3}: \
                  allow a longer `link_sum`, a wider range of `base`, or require less"
             ),
             Self::NotInStock => f.write_str(

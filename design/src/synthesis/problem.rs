@@ -4,6 +4,7 @@ use super::area::{Density, Placed, Samples};
 use super::condition::{Condition, condition};
 use super::evolution::maximise;
 use super::measure::{Measure, Measures, WorstPoints};
+use super::payload::Load;
 use super::proof::{self, Proof};
 use super::{Area, Design, Objective, Specification, study};
 use nalgebra::Vector2;
@@ -135,7 +136,7 @@ impl<'a> Problem<'a> {
         record: &mut dyn FnMut(&[study::Candidate]),
     ) -> (f64, Option<Design>) {
         let legs = if self.specification.symmetric { 3 } else { 6 };
-        let dimensions = legs + usize::from(self.measure().is_some());
+        let dimensions = legs + usize::from(self.seeks_sum());
         let score =
             |point: &[f64], density, floor| self.scale(&self.candidate(point), density, floor).0;
         let (near, _) = maximise(
@@ -206,7 +207,7 @@ impl<'a> Problem<'a> {
     fn scaled(&self, candidate: &Candidate, score: f64) -> (f64, f64) {
         let half_base = 0.5 * candidate.base;
         match self.specification.objective {
-            Objective::Size => (self.longest(candidate.base), score),
+            Objective::Size => (candidate.sum * self.longest(candidate.base), score),
             Objective::LinkSum(size) => (-score - half_base, size),
             Objective::Dexterity(size) | Objective::Measure(_, size) => {
                 (candidate.sum * self.longest(candidate.base), size)
@@ -232,12 +233,16 @@ impl<'a> Problem<'a> {
         let (dexterity, by_dexterity) = self.lowest(lengths, placed, |here| here.dexterity.abs());
         let [torque, speed, stiffness, error] = Measure::ALL
             .map(|measure| self.lowest(lengths, placed, |here| measure.merit(here, tolerance)));
+        // Negative where the arm changes its assembly mode or does not reach, which but one of the measures may have seen.
+        let is_reached = [torque.0, speed.0, stiffness.0, error.0]
+            .iter()
+            .all(|merit| merit.is_finite());
+        let reached = if is_reached { 1.0 } else { -1.0 };
         Design {
             lengths,
             size: placed.size,
             place: placed.place,
-            // Negative where the arm changes its assembly mode or does not reach.
-            dexterity: worst.dexterity.min(dexterity),
+            dexterity: worst.dexterity.min(dexterity).min(reached),
             measures: Measures::of_merits([torque.0, speed.0, stiffness.0, error.0]),
             worst_points: WorstPoints {
                 dexterity: by_dexterity,
@@ -246,6 +251,7 @@ impl<'a> Problem<'a> {
                 stiffness: stiffness.1,
                 error: error.1,
             },
+            load: self.load(lengths, placed, Density::Check),
         }
     }
 
@@ -281,9 +287,14 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Whether the links' sum is one of the numbers that the search varies: the longest arm need not be the best.
+    fn seeks_sum(&self) -> bool {
+        self.measure().is_some() || self.specification.payload.is_some()
+    }
+
     fn candidate(&self, point: &[f64]) -> Candidate {
-        let (sum, point) = match (self.measure(), point.split_last()) {
-            (Some(_), Some((&sum, point))) => (sum, point),
+        let (sum, point) = match (self.seeks_sum(), point.split_last()) {
+            (true, Some((&sum, point))) => (sum, point),
             _ => (1.0, point),
         };
         let [low, high] = self.specification.base;
@@ -408,14 +419,68 @@ impl<'a> Problem<'a> {
     /// The least of what is required over the area's samples. The arm stays in one assembly mode: that
     /// in which it meets more.
     pub(super) fn worst(&self, lengths: [f64; 5], area: Placed, density: Density) -> Worst {
-        self.worst_by(self.measure(), lengths, area, density, Until::All)
+        let worst = self.worst_by(self.measure(), lengths, area, density, Until::All);
+        self.with_payload(worst, lengths, area, density)
     }
 
     /// Whether all requirements are met over the area's samples: whether the margin of [`Problem::worst`] is not
     /// negative.
     pub(super) fn is_met(&self, lengths: [f64; 5], area: Placed, density: Density) -> bool {
         let worst = self.worst_by(None, lengths, area, density, Until::NotMet);
-        worst.margin >= 0.0
+        self.with_payload(worst, lengths, area, density).margin >= 0.0
+    }
+
+    /// With the margin of the payload where all else is met.
+    fn with_payload(
+        &self,
+        worst: Worst,
+        lengths: [f64; 5],
+        area: Placed,
+        density: Density,
+    ) -> Worst {
+        match &self.specification.payload {
+            Some(payload) if worst.margin >= 0.0 => {
+                let margin = payload.margin(self.load(lengths, area, density));
+                let margin = worst.margin.min(margin);
+                Worst { margin, ..worst }
+            }
+            _ => worst,
+        }
+    }
+
+    /// What the payload asks of a drive in an area, 0 without one.
+    fn load(&self, lengths: [f64; 5], area: Placed, density: Density) -> Load {
+        let Some(payload) = &self.specification.payload else {
+            return Load::default();
+        };
+        let samples = self.samples(density);
+        let middle = Vector2::new(0.5 * lengths[4], 0.0);
+        let at = |sample| match condition(lengths, middle + samples.at(sample, area)) {
+            Ok(here) => payload.load(&here),
+            Err(_) => Load::default(),
+        };
+        let mut worst = Load::default();
+        let mut places = [[0.0; 2]; 2];
+        for &sample in samples.points(lengths[4]) {
+            let here = at(sample);
+            if here.torque > worst.torque {
+                places[0] = sample;
+            }
+            if here.speed > worst.speed {
+                places[1] = sample;
+            }
+            worst = worst.max(here);
+        }
+        let by_torque = samples.lowest_near(density, places[0], |sample| -at(sample).torque);
+        let by_speed = samples.lowest_near(density, places[1], |sample| -at(sample).speed);
+        worst.max(at(by_torque)).max(at(by_speed))
+    }
+
+    fn samples(&self, density: Density) -> &Samples {
+        match density {
+            Density::Search => &self.search,
+            Density::Check => &self.check,
+        }
     }
 
     /// As [`Problem::worst`], with this measure in place of the one that is sought.
@@ -428,10 +493,7 @@ impl<'a> Problem<'a> {
         until: Until,
     ) -> Worst {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
-        let samples = match density {
-            Density::Search => &self.search,
-            Density::Check => &self.check,
-        };
+        let samples = self.samples(density);
         let required = self.dexterity
             + match density {
                 Density::Search => SLACK,

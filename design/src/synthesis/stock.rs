@@ -3,6 +3,7 @@
 use super::area::{Density, Placed};
 use super::evolution::maximise;
 use super::problem::{NOT_MET, Problem};
+use super::proof::Proof;
 use super::{Area, Design, Objective};
 
 /// Generations of the search for a place.
@@ -168,6 +169,10 @@ impl Problem<'_> {
         let (score, size) = score(place, Density::Check, f64::NEG_INFINITY);
         let size = size.unwrap_or(wanted);
         let design = self.design(lengths, Placed { size, place });
+        // Samples may miss a place that the rounded arm does not reach.
+        if score > 0.5 * NOT_MET && self.prove(&design) != Proof::Proved {
+            return (NOT_MET, design);
+        }
         // Of arms that meet the requirements, the shortest is wanted.
         let score = match self.specification.objective {
             Objective::LinkSum(_) if score >= 0.0 => -design.link_sum(),

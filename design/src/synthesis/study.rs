@@ -135,7 +135,12 @@ impl Study {
         let problem = self.problem();
         let stock = problem.in_stock(&best, self.seed);
         let stock = stock.ok_or(SynthesisError::NotInStock)?;
+        let drive = |design: &Design| {
+            let payload = self.specification.payload.as_ref()?;
+            payload.cheapest(design.load).cloned()
+        };
         Ok(Synthesis {
+            drives: [drive(&best), drive(&stock)],
             best,
             stock,
             front,

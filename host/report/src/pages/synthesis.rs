@@ -3,7 +3,7 @@
 use crate::html::{Chart, Page};
 use crate::picture::designs;
 use crate::study::synthesis::robot_file;
-use crate::text::{proof_sentence, quantity};
+use crate::text::{drive_line, proof_sentence, quantity};
 use fivebar_design::synthesis::{Design, Measure, Objective, Specification, Synthesis};
 use fivebar_files::robot::DraftError;
 
@@ -50,6 +50,10 @@ fn synthesis(name: &str, specification: &Specification, found: &Synthesis) -> Pa
         "The arm of lengths in stock, best.toml, has l1 = {l1}, l2 = {l2}, l3 = {l3}, l4 = {l4}, base {base} mm. {}.",
         proof_sentence("It is", found.stock_proof),
     ));
+    let drive = drive_line("The payload", stock, found.drives[1].as_ref());
+    if !drive.is_empty() {
+        page.paragraph(&drive);
+    }
     if found.front.len() > 1 {
         page.heading("The front");
         page.paragraph(

@@ -1,5 +1,7 @@
 //! Specifications of `fivebar design`: what is wanted of an arm, in TOML.
 
+mod payload;
+
 use super::job::{Action, Job, Placement, read as read_job};
 use super::refusal::{Key, Refusal, Refusals};
 use super::source::{FileError, Source};
@@ -7,6 +9,7 @@ use super::text_file::{LARGEST_TOML, read_text};
 use fivebar_design::synthesis::{
     Area, CrankRange, Measure, Objective, Specification, Stock, Tolerance,
 };
+use payload::{GearFile, MotorFile, PayloadFile};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -31,6 +34,11 @@ struct SpecFile {
     stock: Option<StockFile>,
     tolerance: Option<ToleranceFile>,
     objective: ObjectiveFile,
+    payload: Option<PayloadFile>,
+    #[serde(default)]
+    motor: Vec<MotorFile>,
+    #[serde(default)]
+    gear: Vec<GearFile>,
 }
 
 #[derive(Deserialize)]
@@ -186,6 +194,11 @@ fn made(
     let [dexterity, sine] = required(&spec.require, &mut refusals);
     let cranks = refusals.noted(cranks(&spec.require));
     let stock = refusals.noted(stock(spec.stock.as_ref()));
+    let payload = refusals.noted(payload::made(
+        spec.payload.as_ref(),
+        &spec.motor,
+        &spec.gear,
+    ));
     let front = spec.objective.front;
     if !(1..=MOST_DESIGNS).contains(&front) {
         let reason = format!("must be 1 to {MOST_DESIGNS} designs, not {front}");
@@ -225,6 +238,7 @@ fn made(
         sine,
         cranks: cranks?,
         stock: stock?,
+        payload: payload?,
         tolerance: tolerance?,
         objective,
         front,
