@@ -6,7 +6,9 @@
 //! and coupler. By virtual power the torque is τi = Σ m (a − g)·∂v/∂θ̇i + I θ̈i: linear in a and quadratic in v, so that its
 //! greatest values over all directions follow from a length and from eigenvalues.
 
-use super::condition::Condition;
+use super::area::{Density, Placed};
+use super::condition::{Condition, condition};
+use super::problem::{Problem, Worst};
 use fivebar_kinematics::PlanarVector;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -133,6 +135,54 @@ impl Payload {
             });
         }
         load
+    }
+}
+
+impl Problem<'_> {
+    /// With the margin of the payload where all else is met.
+    pub(super) fn with_payload(
+        &self,
+        worst: Worst,
+        lengths: [f64; 5],
+        area: Placed,
+        density: Density,
+    ) -> Worst {
+        match &self.specification.payload {
+            Some(payload) if worst.margin >= 0.0 => {
+                let margin = payload.margin(self.load(lengths, area, density));
+                let margin = worst.margin.min(margin);
+                Worst { margin, ..worst }
+            }
+            _ => worst,
+        }
+    }
+
+    /// What the payload asks of a drive in an area, 0 without one.
+    pub(super) fn load(&self, lengths: [f64; 5], area: Placed, density: Density) -> Load {
+        let Some(payload) = &self.specification.payload else {
+            return Load::default();
+        };
+        let samples = self.samples(density);
+        let middle = Vector2::new(0.5 * lengths[4], 0.0);
+        let at = |sample| match condition(lengths, middle + samples.at(sample, area)) {
+            Ok(here) => payload.load(&here),
+            Err(_) => Load::default(),
+        };
+        let mut worst = Load::default();
+        let mut places = [[0.0; 2]; 2];
+        for &sample in samples.points(lengths[4]) {
+            let here = at(sample);
+            if here.torque > worst.torque {
+                places[0] = sample;
+            }
+            if here.speed > worst.speed {
+                places[1] = sample;
+            }
+            worst = worst.max(here);
+        }
+        let by_torque = samples.lowest_near(density, places[0], |sample| -at(sample).torque);
+        let by_speed = samples.lowest_near(density, places[1], |sample| -at(sample).speed);
+        worst.max(at(by_torque)).max(at(by_speed))
     }
 }
 

@@ -4,7 +4,6 @@ use super::area::{Density, Placed, Samples};
 use super::condition::{Condition, condition};
 use super::evolution::maximise;
 use super::measure::{Measure, Measures, WorstPoints};
-use super::payload::Load;
 use super::proof::{self, Proof};
 use super::{Area, Design, Objective, Specification, study};
 use nalgebra::Vector2;
@@ -430,53 +429,7 @@ impl<'a> Problem<'a> {
         self.with_payload(worst, lengths, area, density).margin >= 0.0
     }
 
-    /// With the margin of the payload where all else is met.
-    fn with_payload(
-        &self,
-        worst: Worst,
-        lengths: [f64; 5],
-        area: Placed,
-        density: Density,
-    ) -> Worst {
-        match &self.specification.payload {
-            Some(payload) if worst.margin >= 0.0 => {
-                let margin = payload.margin(self.load(lengths, area, density));
-                let margin = worst.margin.min(margin);
-                Worst { margin, ..worst }
-            }
-            _ => worst,
-        }
-    }
-
-    /// What the payload asks of a drive in an area, 0 without one.
-    fn load(&self, lengths: [f64; 5], area: Placed, density: Density) -> Load {
-        let Some(payload) = &self.specification.payload else {
-            return Load::default();
-        };
-        let samples = self.samples(density);
-        let middle = Vector2::new(0.5 * lengths[4], 0.0);
-        let at = |sample| match condition(lengths, middle + samples.at(sample, area)) {
-            Ok(here) => payload.load(&here),
-            Err(_) => Load::default(),
-        };
-        let mut worst = Load::default();
-        let mut places = [[0.0; 2]; 2];
-        for &sample in samples.points(lengths[4]) {
-            let here = at(sample);
-            if here.torque > worst.torque {
-                places[0] = sample;
-            }
-            if here.speed > worst.speed {
-                places[1] = sample;
-            }
-            worst = worst.max(here);
-        }
-        let by_torque = samples.lowest_near(density, places[0], |sample| -at(sample).torque);
-        let by_speed = samples.lowest_near(density, places[1], |sample| -at(sample).speed);
-        worst.max(at(by_torque)).max(at(by_speed))
-    }
-
-    fn samples(&self, density: Density) -> &Samples {
+    pub(super) fn samples(&self, density: Density) -> &Samples {
         match density {
             Density::Search => &self.search,
             Density::Check => &self.check,
