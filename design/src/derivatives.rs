@@ -104,7 +104,7 @@ pub fn derivatives(arm: &Arm<f64>, state: &State) -> Result<Derivatives, PoseErr
     Ok(found)
 }
 
-/// The quantities with their first derivatives alone: a tenth of the work of [`derivatives`].
+/// The quantities with their first derivatives alone: less than a tenth of the work of [`derivatives`].
 ///
 /// # Errors
 /// As [`derivatives`].

@@ -342,24 +342,28 @@ fn arms_keep_random_specifications() {
     assert!(found == 3 && proved == found && kept == 3, "{text}");
 }
 
+/// `FIVEBAR_UPDATE=1` tries 200 and writes the results; without it those that the results have are tried again.
 #[test]
 #[ignore = "minutes: ./ci.sh tables"]
-fn whole_table_of_200_random_specifications() {
-    let (text, [found, proved, kept]) = campaign(0..200, 20_000);
+fn whole_table_of_random_specifications() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(RESULTS);
-    if std::env::var_os("FIVEBAR_UPDATE").is_some() {
+    let update = std::env::var_os("FIVEBAR_UPDATE").is_some();
+    let known = || std::fs::read_to_string(&path).unwrap();
+    let count = if update {
+        200
+    } else {
+        known().lines().count() - 1
+    };
+    let (text, [found, proved, kept]) = campaign(0..count, 20_000);
+    if update {
         std::fs::write(&path, &text).unwrap();
     }
-    assert_eq!(kept, 200);
+    assert_eq!(kept, count);
     assert!(
-        found >= 100 && proved == found,
+        2 * found >= count && proved == found,
         "{found} found, {proved} proved"
     );
-    assert_eq!(
-        text,
-        std::fs::read_to_string(&path).unwrap(),
-        "FIVEBAR_UPDATE=1 writes it"
-    );
+    assert_eq!(text, known(), "FIVEBAR_UPDATE=1 writes it");
 }
 
 #[test]
@@ -372,10 +376,13 @@ fn the_document_has_the_figures_of_the_results() {
         .map(|row| row.split(',').collect())
         .collect();
     let count = |column: usize, value: &str| rows.iter().filter(|row| row[column] == value).count();
-    assert_eq!((rows.len(), count(8, "VIOLATED")), (200, 0));
+    assert_eq!(count(9, "VIOLATED"), 0);
     let (found, proved) = (count(3, "yes"), count(4, "yes"));
-    assert_eq!(count(8, "kept"), found);
-    let sentence = format!("Of 200 random specifications {found} gave an arm, {proved} proved");
+    assert_eq!(count(9, "kept"), found);
+    let sentence = format!(
+        "Of {} random specifications {found} gave an arm, {proved} proved",
+        rows.len()
+    );
     assert!(DOCUMENT.contains(&sentence), "{sentence}");
 }
 
