@@ -64,6 +64,24 @@ impl<const N: usize> Gradient<N> {
     }
 }
 
+/// The rules of products and quotients.
+impl<const N: usize> Gradient<N> {
+    #[inline]
+    fn product(self, other: Self) -> Self {
+        self.with(other, self.value * other.value, |a, b| {
+            a * other.value + b * self.value
+        })
+    }
+
+    #[inline]
+    fn quotient(self, other: Self) -> Self {
+        let inverse = other.value.recip();
+        self.with(other, self.value * inverse, |a, b| {
+            (a * other.value - b * self.value) * inverse * inverse
+        })
+    }
+}
+
 impl<const N: usize> PartialOrd for Gradient<N> {
     #[inline]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
@@ -143,9 +161,7 @@ impl<const N: usize> Mul for Gradient<N> {
 
     #[inline]
     fn mul(self, other: Self) -> Self {
-        self.with(other, self.value * other.value, |a, b| {
-            a * other.value + b * self.value
-        })
+        self.product(other)
     }
 }
 
@@ -154,10 +170,7 @@ impl<const N: usize> Div for Gradient<N> {
 
     #[inline]
     fn div(self, other: Self) -> Self {
-        let inverse = other.value.recip();
-        self.with(other, self.value * inverse, |a, b| {
-            (a * other.value - b * self.value) * inverse * inverse
-        })
+        self.quotient(other)
     }
 }
 
