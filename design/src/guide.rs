@@ -9,7 +9,7 @@
 //! use nalgebra::Vector2;
 //!
 //! // Thighs and shanks of 90 and 160 mm, coaxial motors; the foot is 180 mm below them.
-//! let leg = Geometry::new([0.09, 0.16, 0.16, 0.09, 0.0])?;
+//! let leg = Geometry::new([0.09_f64, 0.16, 0.16, 0.09, 0.0])?;
 //! let pose = leg.inverse(Vector2::new(0.0, -0.18), WorkingMode::new(Side::Left, Side::Right))?;
 //! let [tau1, tau4] = leg.jacobian(&pose)?.matrix().tr_mul(&Vector2::new(0.0, 20.0)).into(); // 20 N upwards
 //! assert!((tau1 + tau4).abs() < 1e-9 && tau1.abs() < 2.0, "{tau1} {tau4} N·m");
