@@ -28,10 +28,10 @@ minimise = "{}"
 shortest = fivebar.design(TASK.format("link_sum"))
 precise = fivebar.design(TASK.format("error"))
 for name, answer in (("shortest", shortest), ("precise", precise)):
-    best = answer.figures["stock"]
+    best = answer.figures["whole_millimetres"]
     lengths = ", ".join(f"{1e3 * length:.0f}" for length in best["link_lengths"])
     print(f"{name}: l1…l4 and base {lengths} mm; RMS error {1e6 * best['error']:.0f} µm at the worst "
-          f"place; proved free of singularities: {answer.figures['stock_proved']}")
+          f"place; proved free of singularities: {answer.figures['whole_proved']}")
 
 # %% [markdown]
 # ## Where it errs
@@ -40,7 +40,7 @@ for name, answer in (("shortest", shortest), ("precise", precise)):
 
 # %%
 arm = fivebar.Arm.from_toml(precise.robot_toml)
-best = precise.figures["stock"]
+best = precise.figures["whole_millimetres"]
 width, height = 0.15, 0.1
 corner = np.array([best["link_lengths"][4] / 2 - width / 2, 0.0]) + best["place"]
 x, y = np.meshgrid(corner[0] + np.linspace(0, width, 31), corner[1] + np.linspace(0, height, 21))

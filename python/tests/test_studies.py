@@ -51,7 +51,7 @@ def test_designs_are_those_of_the_program(program, tmp_path):
     assert found.figures == without(expected, "out_dir")
     assert found.robot_toml == (tmp_path / "best.toml").read_text(encoding="utf-8")
     lengths = fivebar.Arm.from_toml(found.robot_toml).lengths
-    assert np.allclose(lengths, found.figures["stock"]["link_lengths"], atol=1e-12)
+    assert np.allclose(lengths, found.figures["whole_millimetres"]["link_lengths"], atol=1e-12)
     with pytest.raises(fivebar.StudyError, match="study, line 1: missing field"):
         fivebar.design("symmetric = true")
 

@@ -13,7 +13,7 @@ pub fn answer(synthesis: &Synthesis) -> Value {
     };
     json!({
         "best": design(&synthesis.best),
-        "stock": design(&synthesis.stock),
+        "whole_millimetres": design(&synthesis.stock),
         "front": synthesis.front.iter().map(design).collect::<Vec<_>>(),
         "sensitivity_per_m": synthesis.sensitivity,
         "drive": synthesis.drives[0].as_ref().map(drive),
@@ -21,7 +21,7 @@ pub fn answer(synthesis: &Synthesis) -> Value {
         "evaluations": synthesis.evaluations,
         "proved": synthesis.proof == Proof::Proved,
         "unproved_at": unproved_at,
-        "stock_proved": synthesis.stock_proof == Proof::Proved,
+        "whole_proved": synthesis.stock_proof == Proof::Proved,
     })
 }
 
