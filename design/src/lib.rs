@@ -6,6 +6,8 @@ pub mod crossing;
 pub mod derivatives;
 mod dual;
 mod fit;
+mod gradient;
+pub mod guide;
 pub mod identification;
 pub mod joint_path;
 pub mod linkage;
@@ -21,4 +23,5 @@ pub mod time_optimal;
 pub mod workspace;
 
 pub use dual::{Dual, HyperDual};
+pub use gradient::Gradient;
 pub use noise::Noise;

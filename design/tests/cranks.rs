@@ -2,7 +2,7 @@
 
 use fivebar_design::Noise;
 use fivebar_design::synthesis::{
-    Area, CrankRange, Objective, Proof, Specification, Study, Tolerance, synthesise,
+    Area, CrankRange, Objective, Proof, Specification, Stock, Study, Tolerance, synthesise,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -18,6 +18,8 @@ fn leg(aspect: f64, dexterity: f64) -> Specification {
         dexterity,
         sine: 0.0,
         cranks: None,
+        stock: Stock::default(),
+        payload: None,
         tolerance: Tolerance::default(),
         objective: Objective::Size,
         front: 1,
@@ -26,12 +28,13 @@ fn leg(aspect: f64, dexterity: f64) -> Specification {
 }
 
 /// Random specifications with a range of the cranks, drawn from a seed.
-fn with_cranks(noise: &mut Noise) -> (Specification, [f64; 2]) {
+fn with_cranks(noise: &mut Noise, symmetric: bool) -> (Specification, [f64; 2]) {
     let mut between = |low: f64, high: f64| low + (high - low) * noise.uniform();
     let least = between(0.3, 1.2);
     let range = [least, least + between(1.0, 1.9)];
     let aspect = between(0.5, 2.0);
     let specification = Specification {
+        symmetric,
         base: [0.0, between(0.0, 0.6)],
         cranks: CrankRange::new(range),
         ..leg(aspect, between(0.2, 0.5))
@@ -46,7 +49,7 @@ fn cranks_are_kept(count: usize, samples: usize) -> [usize; 3] {
     let mut noise = Noise::new(53);
     let (mut found, mut proved, mut touching) = (0, 0, 0);
     for index in 0..count {
-        let (specification, [least, greatest]) = with_cranks(&mut noise);
+        let (specification, [least, greatest]) = with_cranks(&mut noise, index == 0);
         let Ok(answer) = synthesise(&specification, index as u64, &|_| {}) else {
             continue;
         };
@@ -101,13 +104,6 @@ fn cranks_are_kept(count: usize, samples: usize) -> [usize; 3] {
 fn no_crank_leaves_its_range_in_the_area() {
     let [found, proved, touching] = cranks_are_kept(2, 2000);
     assert!(found == 2 && proved == found && touching > 0);
-}
-
-#[test]
-#[ignore = "minutes: ./ci.sh tables"]
-fn whole_table_of_200_specifications_with_a_range_of_the_cranks() {
-    let [found, proved, touching] = cranks_are_kept(200, 20_000);
-    assert!(found >= 150 && proved == found && touching > 50);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use fivebar_design::Noise;
 use fivebar_design::accuracy::five_bar::{ArmTolerance, TolerancedArm, ToolState, analyse};
 use fivebar_design::synthesis::{
-    Area, Design, Measure, Objective, Proof, Specification, Synthesis, Tolerance, prove, synthesise,
+    Area, Design, Measure, Objective, Proof, Specification, Stock, Synthesis, Tolerance, prove,
+    synthesise,
 };
 use fivebar_kinematics::five_bar::{Geometry, Side, WorkingMode};
 use nalgebra::Vector2;
@@ -18,6 +19,8 @@ fn leg(area: Area, dexterity: f64) -> Specification {
         dexterity,
         sine: 0.0,
         cranks: None,
+        stock: Stock::default(),
+        payload: None,
         tolerance: Tolerance::default(),
         objective: Objective::Size,
         front: 1,
@@ -107,7 +110,7 @@ fn are_as_short(arms: &[(f64, f64, f64, f64, f64)]) {
         assert_eq!(best.lengths[4], 0.04);
         assert_eq!(answer.proof, Proof::Proved);
         // Whole millimetres cost 3 mm at most.
-        let whole = answer.whole;
+        let whole = answer.stock;
         for length in whole.lengths {
             assert!(
                 (1e3 * length - (1e3 * length).round()).abs() < 1e-9,
@@ -118,7 +121,7 @@ fn are_as_short(arms: &[(f64, f64, f64, f64, f64)]) {
             whole.link_sum() < known + 3e-3 && whole.dexterity >= k,
             "{whole:?}"
         );
-        assert_eq!(answer.whole_proof, Proof::Proved);
+        assert_eq!(answer.stock_proof, Proof::Proved);
         assert!(answer.sensitivity.iter().all(|loss| *loss > 0.0));
     }
 }
@@ -142,7 +145,7 @@ fn meet_in_whole_millimetres(dexterities: &[f64]) {
             objective: Objective::LinkSum(0.05),
             ..leg(Area::Rectangle { aspect: 1.0 }, k)
         });
-        let (best, whole) = (answer.best, answer.whole);
+        let (best, whole) = (answer.best, answer.stock);
         assert!(whole.dexterity >= k, "{whole:?}");
         assert!(whole.link_sum() < best.link_sum() + 5e-3, "{whole:?}");
     }
@@ -335,7 +338,7 @@ fn the_best_arms_by_torque_speed_and_stiffness_are_not_beaten_by_a_grid() {
             "{measure:?}: {found}, {grid}"
         );
         assert!(
-            best.dexterity >= 0.4 && answer.whole.dexterity >= 0.4,
+            best.dexterity >= 0.4 && answer.stock.dexterity >= 0.4,
             "{answer:?}"
         );
         assert_eq!(answer.proof, Proof::Proved);
@@ -410,7 +413,7 @@ fn designs() -> Vec<(Synthesis, Area)> {
 #[test]
 fn each_figure_is_that_of_the_analyses_at_its_worst_point() {
     for (answer, _) in designs() {
-        for design in [answer.best, answer.whole] {
+        for design in [answer.best, answer.stock] {
             for (index, (found, at, _)) in figures(&design).into_iter().enumerate() {
                 let known = by_the_analyses(design.lengths, at.into()).unwrap()[index];
                 assert_near(&format!("figure {index} of {design:?}"), found, known, 1e-9);

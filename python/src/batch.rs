@@ -1,7 +1,7 @@
 //! Batches: all rows on all cores, without the interpreter's lock; Ctrl-C stops them.
 
 use crate::status::{OK, Problem};
-use numpy::ndarray::arr0;
+use numpy::ndarray::{ArrayView, arr0};
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
     PyUntypedArrayMethods, ToPyArray,
@@ -193,7 +193,11 @@ impl Field {
             Self::Number => arr0(numbers[0]).to_pyarray(py).into_any(),
             Self::Sign => arr0(sign(numbers[0])).to_pyarray(py).into_any(),
             Self::Pair => PyArray1::from_slice(py, numbers).into_any(),
-            Self::Table(shape) => PyArray1::from_slice(py, numbers).reshape(shape)?.into_any(),
+            Self::Table(shape) => {
+                let table = ArrayView::from_shape(shape, numbers);
+                let table = table.map_err(|error| PyValueError::new_err(error.to_string()))?;
+                table.to_pyarray(py).into_any()
+            }
         })
     }
 }

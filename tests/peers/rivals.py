@@ -1,6 +1,6 @@
 """The same work by other programs from PyPI, timed side by side.
 
-    pip install ./python pin toppra roboticstoolbox-python
+    pip install ./python pin toppra roboticstoolbox-python ruckig
     python tests/peers/rivals.py [--write docs/verify/rivals.md]
 
 The arm is `benchtop`. Times are the processor's for one call from Python, the best of 30, on one thread. Both answers are
@@ -21,6 +21,7 @@ for threads in ("RAYON_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import numpy as np
 import pinocchio
 import roboticstoolbox
+import ruckig
 import toppra
 import toppra.algorithm
 import toppra.constraint
@@ -29,8 +30,8 @@ import fivebar
 
 ARM = fivebar.Arm.load("benchtop")
 POINTS = [[0.0, 0.18], [0.04, 0.2], [0.08, 0.18]]
-#: Of both joints [rad/s], [rad/s²].
-SPEED, ACCELERATION = 6.0, 90.0
+#: Of both joints [rad/s], [rad/s²], [rad/s³].
+SPEED, ACCELERATION, JERK = 6.0, 90.0, 2000.0
 
 
 def seconds(call):
@@ -137,15 +138,38 @@ def fastest():
     return ("the fastest motion along a spline", "toppra", theirs, ours, difference, 1e-2)
 
 
+def smooth():
+    """From rest to rest on a straight line of the joints. Ruckig knows no other paths; ours has the line by 41 of its points."""
+    ends = ARM.inverse([POINTS[0], POINTS[2]]).theta
+    points = ARM.forward(np.linspace(*ends, 41)).c
+    limits = {"speed": [SPEED] * 2, "acceleration": [ACCELERATION] * 2}
+
+    def ours():
+        return ARM.plan(points, limits=limits, spline=True, jerk=JERK)
+
+    wanted = ruckig.InputParameter(2)
+    wanted.current_position, wanted.target_position = ends.tolist()
+    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = [SPEED] * 2, [ACCELERATION] * 2, [JERK] * 2
+    wanted.synchronization = ruckig.Synchronization.Phase
+    planner, found = ruckig.Ruckig(2), ruckig.Trajectory(2)
+
+    def theirs():
+        planner.calculate(wanted, found)
+        return found.duration
+
+    difference = abs(theirs() - ours().time) / theirs()
+    return ("a line of the joints with limited jerk", "ruckig", theirs, ours, difference, 0.2)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--write", type=Path, metavar="FILE.md")
     given = parser.parse_args()
     rows, failed = [], []
-    for task in (accelerations, inverse, fastest):
+    for task in (accelerations, inverse, fastest, smooth):
         name, other, theirs, ours, difference, bound = task()
         spent, own = 1e6 * seconds(theirs), 1e6 * seconds(ours)
-        rows.append(f"| {name} | {other} {version(other)} | {spent:.1f} | {own:.1f} | {spent / own:.1f} | {difference:.0e} |")
+        rows.append(f"| {name} | {other} {version(other)} | {spent:.1f} | {own:.1f} | {spent / own:.2g} | {difference:.0e} |")
         print(rows[-1], flush=True)
         if not difference < bound:
             failed.append(name)

@@ -22,11 +22,12 @@ const WEIGHT: [f64; 2] = [0.4, 0.9];
 const AGREEMENT: f64 = 1e-7;
 
 /// The point of the unit cube with the greatest score that was found within `generations`. `observe` receives the
-/// points of each generation with their scores.
+/// points of each generation with their scores. No generation begins when `may_go_on` denies it.
 pub(super) fn maximise(
     dimensions: usize,
     generations: usize,
     seed: u64,
+    may_go_on: impl Fn() -> bool,
     score: impl Fn(&[f64], f64) -> f64 + Sync,
     mut observe: impl FnMut(&[(Vec<f64>, f64)]),
 ) -> (Vec<f64>, f64) {
@@ -48,6 +49,9 @@ pub(super) fn maximise(
     };
     sort(&mut population);
     for _ in 0..generations {
+        if !may_go_on() {
+            break;
+        }
         let trials: Vec<Vec<f64>> = (0..count)
             .map(|index| trial(&population, index, &mut noise))
             .collect();
@@ -102,7 +106,7 @@ mod tests {
     fn it_finds_a_peak_on_a_face_of_the_cube() {
         let score =
             |x: &[f64], _: f64| -(x[0] + 0.2).powi(2) - (x[1] - 0.3).powi(2) - (x[2] - x[1]).abs();
-        let (point, _) = maximise(3, 300, 1, score, |_| ());
+        let (point, _) = maximise(3, 300, 1, || true, score, |_| ());
         for (found, expected) in point.iter().zip([0.0, 0.3, 0.3]) {
             assert!((found - expected).abs() < 1e-3, "{point:?}");
         }
@@ -113,9 +117,10 @@ mod tests {
         let score = |x: &[f64], _: f64| -x.iter().map(|x| (x - 0.4).powi(2)).sum::<f64>();
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.unwrap().install(|| maximise(4, 40, 7, score, |_| ()))
+            pool.unwrap()
+                .install(|| maximise(4, 40, 7, || true, score, |_| ()))
         };
         assert_eq!(on(1), on(3));
-        assert_ne!(on(1), maximise(4, 40, 8, score, |_| ()));
+        assert_ne!(on(1), maximise(4, 40, 8, || true, score, |_| ()));
     }
 }

@@ -38,6 +38,7 @@ pub struct Tolerance {
 
 /// The measures at the worst point of a work area.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Measures {
     /// Torque of a motor for a force of 1 N in the worst direction [N·m].
     pub torque: f64,
@@ -51,6 +52,7 @@ pub struct Measures {
 
 /// Where an arm is the worst in its work area, by 1/κ and by each measure, as C from A [m].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct WorstPoints {
     /// By 1/κ.
     pub dexterity: [f64; 2],

@@ -17,15 +17,18 @@ mod cranks;
 mod evolution;
 mod interval;
 mod measure;
+mod payload;
 mod problem;
 mod proof;
+mod stock;
 mod study;
-mod whole;
 
 pub use area::Area;
 pub use cranks::CrankRange;
 pub use measure::{Measure, Measures, Tolerance, WorstPoints};
+pub use payload::{Drive, Load, Payload};
 pub use proof::Proof;
+pub use stock::Stock;
 pub use study::{Candidate, Found, Study};
 
 use core::fmt;
@@ -49,6 +52,10 @@ pub struct Specification {
     pub sine: f64,
     /// The range of the cranks' angles; none if they may turn anywhere.
     pub cranks: Option<CrankRange>,
+    /// The lengths that a builder can have.
+    pub stock: Stock,
+    /// What the tip carries, and the drives to choose from; none if nothing is asked of them.
+    pub payload: Option<Payload>,
     /// The errors of the arm, for the error of its tip.
     pub tolerance: Tolerance,
     /// What is sought.
@@ -75,6 +82,7 @@ pub enum Objective {
 
 /// An arm with its work area.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Design {
     /// l1…l4 and the base [m].
     pub lengths: [f64; 5],
@@ -88,6 +96,8 @@ pub struct Design {
     pub measures: Measures,
     /// Where these worst points are.
     pub worst_points: WorstPoints,
+    /// What the specification's payload asks of a drive; 0 without one.
+    pub load: Load,
 }
 
 impl Design {
@@ -100,23 +110,26 @@ impl Design {
 
 /// The answer to a specification.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Synthesis {
     /// The best design.
     pub best: Design,
-    /// The best one with lengths in whole millimetres, where the base's range has one; to be checked
+    /// The best one with lengths that are in stock, the base too where its range has one; to be checked
     /// like any other design.
-    pub whole: Design,
+    pub stock: Design,
     /// Designs for more and more dexterity, the best being the first.
     pub front: Vec<Design>,
     /// How much 1/κ changes per length of l1…l4 and the base [1/m], at the worst point of the best
     /// design's area; the greater loss of a longer and a shorter link.
     pub sensitivity: [f64; 5],
+    /// The cheapest drive that carries the payload in the area of the best design, and in that of the lengths in stock.
+    pub drives: [Option<Drive>; 2],
     /// How often the area of an arm was examined.
     pub evaluations: u64,
     /// Whether the best design is free of singularities in its area.
     pub proof: Proof,
-    /// The same for whole millimetres.
-    pub whole_proof: Proof,
+    /// The same for the design of lengths in stock.
+    pub stock_proof: Proof,
 }
 
 /// Why there is no design.
@@ -125,16 +138,22 @@ pub struct Synthesis {
 pub enum SynthesisError {
     /// None was found; the best candidate falls short of 1/κ or of the sine by this much.
     NotFound(f64),
+    /// No lengths in stock beside the best ones are within the limits of the links and the base.
+    NotInStock,
 }
 
 impl fmt::Display for SynthesisError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::NotFound(short) = self;
-        write!(
-            f,
-            "no arm was found; the best candidate falls short of `dexterity`, `sine` or `crank` by {short:.3}: \
-             allow a longer `link_sum`, a wider range of `base`, or require less"
-        )
+        match self {
+            Self::NotFound(short) => write!(
+                f,
+                "no arm was found; the best candidate falls short of `dexterity`, `sine`, `crank` or [payload] by {short:.3}: \
+                 allow a longer `link_sum`, a wider range of `base`, or require less"
+            ),
+            Self::NotInStock => f.write_str(
+                "no arm of lengths in [stock] is within `link_sum`: add shorter lengths, or allow a longer `link_sum`",
+            ),
+        }
     }
 }
 

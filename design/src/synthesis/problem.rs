@@ -12,6 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Generations of the search, and of the second one beside its result with the samples of the check.
 const GENERATIONS: usize = 120;
 const CHECK_GENERATIONS: usize = 40;
+/// The share of a budget that the first search may spend.
+const SEARCH_SHARE: f64 = 0.7;
 /// The width of the second search.
 const BESIDE: f64 = 0.04;
 /// Bisections of a size or a sum: in the search, and of the result.
@@ -37,6 +39,8 @@ pub(super) struct Problem<'a> {
     search: Samples,
     check: Samples,
     evaluations: AtomicU64,
+    /// How often the areas of arms may be examined.
+    budget: u64,
 }
 
 /// The least of what is required over an area.
@@ -103,18 +107,24 @@ impl Candidate {
 
 impl<'a> Problem<'a> {
     /// The search for an arm with this least 1/κ.
-    pub(super) fn new(specification: &'a Specification, dexterity: f64) -> Self {
+    pub(super) fn new(specification: &'a Specification, dexterity: f64, budget: u64) -> Self {
         Self {
             specification,
             dexterity,
             search: specification.area.samples(Density::Search),
             check: specification.area.samples(Density::Check),
             evaluations: AtomicU64::new(0),
+            budget,
         }
     }
 
     pub(super) fn evaluations(&self) -> u64 {
         self.evaluations.load(Ordering::Relaxed)
+    }
+
+    /// Whether this share of the budget is not spent yet.
+    pub(super) fn has_left(&self, share: f64) -> bool {
+        self.evaluations() as f64 <= share * self.budget as f64
     }
 
     /// The best design that the search finds, with its score; without one, how far its best candidate falls short,
@@ -125,13 +135,14 @@ impl<'a> Problem<'a> {
         record: &mut dyn FnMut(&[study::Candidate]),
     ) -> (f64, Option<Design>) {
         let legs = if self.specification.symmetric { 3 } else { 6 };
-        let dimensions = legs + usize::from(self.measure().is_some());
+        let dimensions = legs + usize::from(self.seeks_sum());
         let score =
             |point: &[f64], density, floor| self.scale(&self.candidate(point), density, floor).0;
         let (near, _) = maximise(
             dimensions,
             GENERATIONS,
             seed,
+            || self.has_left(SEARCH_SHARE),
             |point, floor| score(point, Density::Search, floor),
             |scored| {
                 self.record(
@@ -150,6 +161,7 @@ impl<'a> Problem<'a> {
             dimensions,
             CHECK_GENERATIONS,
             seed,
+            || self.has_left(1.0),
             |point, floor| score(&beside(point), Density::Check, floor),
             |scored| {
                 let points: Vec<_> = scored.iter().map(|(point, _)| beside(point)).collect();
@@ -194,7 +206,7 @@ impl<'a> Problem<'a> {
     fn scaled(&self, candidate: &Candidate, score: f64) -> (f64, f64) {
         let half_base = 0.5 * candidate.base;
         match self.specification.objective {
-            Objective::Size => (self.longest(candidate.base), score),
+            Objective::Size => (candidate.sum * self.longest(candidate.base), score),
             Objective::LinkSum(size) => (-score - half_base, size),
             Objective::Dexterity(size) | Objective::Measure(_, size) => {
                 (candidate.sum * self.longest(candidate.base), size)
@@ -220,12 +232,16 @@ impl<'a> Problem<'a> {
         let (dexterity, by_dexterity) = self.lowest(lengths, placed, |here| here.dexterity.abs());
         let [torque, speed, stiffness, error] = Measure::ALL
             .map(|measure| self.lowest(lengths, placed, |here| measure.merit(here, tolerance)));
+        // Negative where the arm changes its assembly mode or does not reach, which but one of the measures may have seen.
+        let is_reached = [torque.0, speed.0, stiffness.0, error.0]
+            .iter()
+            .all(|merit| merit.is_finite());
+        let reached = if is_reached { 1.0 } else { -1.0 };
         Design {
             lengths,
             size: placed.size,
             place: placed.place,
-            // Negative where the arm changes its assembly mode or does not reach.
-            dexterity: worst.dexterity.min(dexterity),
+            dexterity: worst.dexterity.min(dexterity).min(reached),
             measures: Measures::of_merits([torque.0, speed.0, stiffness.0, error.0]),
             worst_points: WorstPoints {
                 dexterity: by_dexterity,
@@ -234,6 +250,7 @@ impl<'a> Problem<'a> {
                 stiffness: stiffness.1,
                 error: error.1,
             },
+            load: self.load(lengths, placed, Density::Check),
         }
     }
 
@@ -269,9 +286,14 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Whether the links' sum is one of the numbers that the search varies: the longest arm need not be the best.
+    fn seeks_sum(&self) -> bool {
+        self.measure().is_some() || self.specification.payload.is_some()
+    }
+
     fn candidate(&self, point: &[f64]) -> Candidate {
-        let (sum, point) = match (self.measure(), point.split_last()) {
-            (Some(_), Some((&sum, point))) => (sum, point),
+        let (sum, point) = match (self.seeks_sum(), point.split_last()) {
+            (true, Some((&sum, point))) => (sum, point),
             _ => (1.0, point),
         };
         let [low, high] = self.specification.base;
@@ -396,14 +418,22 @@ impl<'a> Problem<'a> {
     /// The least of what is required over the area's samples. The arm stays in one assembly mode: that
     /// in which it meets more.
     pub(super) fn worst(&self, lengths: [f64; 5], area: Placed, density: Density) -> Worst {
-        self.worst_by(self.measure(), lengths, area, density, Until::All)
+        let worst = self.worst_by(self.measure(), lengths, area, density, Until::All);
+        self.with_payload(worst, lengths, area, density)
     }
 
     /// Whether all requirements are met over the area's samples: whether the margin of [`Problem::worst`] is not
     /// negative.
     pub(super) fn is_met(&self, lengths: [f64; 5], area: Placed, density: Density) -> bool {
         let worst = self.worst_by(None, lengths, area, density, Until::NotMet);
-        worst.margin >= 0.0
+        self.with_payload(worst, lengths, area, density).margin >= 0.0
+    }
+
+    pub(super) fn samples(&self, density: Density) -> &Samples {
+        match density {
+            Density::Search => &self.search,
+            Density::Check => &self.check,
+        }
     }
 
     /// As [`Problem::worst`], with this measure in place of the one that is sought.
@@ -416,10 +446,7 @@ impl<'a> Problem<'a> {
         until: Until,
     ) -> Worst {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
-        let samples = match density {
-            Density::Search => &self.search,
-            Density::Check => &self.check,
-        };
+        let samples = self.samples(density);
         let required = self.dexterity
             + match density {
                 Density::Search => SLACK,

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct Study {
     specification: Specification,
     seed: u64,
+    budget: u64,
 }
 
 /// The result of one search.
@@ -48,7 +49,15 @@ impl Study {
         Self {
             specification: specification.clone(),
             seed,
+            budget: u64::MAX,
         }
+    }
+
+    /// The study whose searches end, each with the best that it has, when it has examined the areas of so many arms or
+    /// soon after; so does the search of lengths in stock.
+    #[must_use]
+    pub fn within(self, budget: u64) -> Self {
+        Self { budget, ..self }
     }
 
     /// What is wanted.
@@ -64,7 +73,7 @@ impl Study {
     /// Does the search with this index, and gives its candidates, generation by generation, to `record`.
     pub fn search(&self, index: usize, record: &mut dyn FnMut(&[Candidate])) -> Found {
         let dexterity = self.dexterity(index / self.starts());
-        let problem = Problem::new(&self.specification, dexterity);
+        let problem = Problem::new(&self.specification, dexterity, self.budget);
         let seed = match index % self.starts() {
             0 => self.seed,
             start => stream(self.seed, start as u64),
@@ -86,7 +95,7 @@ impl Study {
     /// receives each new result with its index, in any order.
     ///
     /// # Errors
-    /// No arm that meets the requirements was found.
+    /// No arm that meets the requirements was found, or none of lengths in stock is within the limits.
     pub fn run(
         &self,
         known: &[Option<Found>],
@@ -106,7 +115,7 @@ impl Study {
     /// The synthesis, from the results of all searches in their order.
     ///
     /// # Errors
-    /// No arm that meets the requirements was found.
+    /// No arm that meets the requirements was found, or none of lengths in stock is within the limits.
     pub fn finish(&self, found: &[Found]) -> Result<Synthesis, SynthesisError> {
         let best = found.chunks(self.starts()).map(|starts| {
             let better = |a: Found, b: &Found| if b.score > a.score { *b } else { a };
@@ -123,15 +132,21 @@ impl Study {
         let Some(best) = front.first().copied() else {
             return Err(SynthesisError::NotFound(f64::INFINITY));
         };
-        let problem = Problem::new(&self.specification, self.specification.dexterity);
-        let whole = problem.in_whole_millimetres(&best, self.seed);
+        let problem = self.problem();
+        let stock = problem.in_stock(&best, self.seed);
+        let stock = stock.ok_or(SynthesisError::NotInStock)?;
+        let drive = |design: &Design| {
+            let payload = self.specification.payload.as_ref()?;
+            payload.cheapest(design.load).cloned()
+        };
         Ok(Synthesis {
+            drives: [drive(&best), drive(&stock)],
             best,
-            whole,
+            stock,
             front,
             sensitivity: problem.sensitivity(&best),
             proof: problem.prove(&best),
-            whole_proof: problem.prove(&whole),
+            stock_proof: problem.prove(&stock),
             evaluations: problem.evaluations()
                 + found.iter().map(|found| found.evaluations).sum::<u64>(),
         })
@@ -140,7 +155,7 @@ impl Study {
     /// The least 1/κ that each arm has in the area of this size [m] at its place, negative where it does not reach all of
     /// it or changes its assembly mode.
     pub fn dexterities(&self, arms: &[([f64; 5], f64, [f64; 2])]) -> Vec<f64> {
-        let problem = Problem::new(&self.specification, self.specification.dexterity);
+        let problem = self.problem();
         let dexterity = |&(lengths, size, place)| {
             let worst = problem.worst(lengths, Placed { size, place }, Density::Check);
             worst.dexterity
@@ -153,6 +168,14 @@ impl Study {
     pub fn prove(&self, lengths: [f64; 5], size: f64, place: [f64; 2]) -> Proof {
         let Specification { area, cranks, .. } = &self.specification;
         proof::prove(lengths, area, Placed { size, place }, *cranks)
+    }
+
+    fn problem(&self) -> Problem<'_> {
+        Problem::new(
+            &self.specification,
+            self.specification.dexterity,
+            self.budget,
+        )
     }
 
     fn designs(&self) -> usize {

@@ -381,7 +381,7 @@ class Arm(ArmStudies):
         """First and second derivatives of the motion of C and of the torques, by dual numbers.
 
         theta [rad], omega [rad/s], alpha [rad/s²]: of joints 1 and 4, each S + (2,). The variables are these, the
-        lengths and the masses. order: 1 for the first derivatives alone, at a tenth of the time; ``second`` is then None. Needs
+        lengths and the masses. order: 1 for the first derivatives alone, at less than a tenth of the time; ``second`` is then None. Needs
         an arm with masses. Statuses and errors are as for :meth:`inverse_dynamics`.
 
         >>> arm = Arm.load("benchtop")

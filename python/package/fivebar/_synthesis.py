@@ -28,10 +28,10 @@ class Design:
 
     #: The figures of ``fivebar design --json``: best {link_lengths [5], size, link_sum,
     #: dexterity, place [x, y], torque_per_force, speed_per_rate, stiffness_per_drive, error},
-    #: whole_millimetres (the same keys), front, sensitivity_per_m,
+    #: whole_millimetres (or lengths in stock, the same keys), front, sensitivity_per_m,
     #: evaluations, proved, unproved_at, whole_proved. Lengths in metres.
     figures: Dict[str, Any]
-    #: The robot file with lengths in whole millimetres, for :meth:`fivebar.Arm.from_toml`.
+    #: The robot file with lengths in stock, for :meth:`fivebar.Arm.from_toml`.
     robot_toml: str
 
 

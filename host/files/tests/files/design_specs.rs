@@ -1,6 +1,6 @@
 //! Specifications of `fivebar design`: areas, sizes and what is refused.
 
-use fivebar_design::synthesis::{Area, Objective, Specification};
+use fivebar_design::synthesis::{Area, Objective, Specification, Stock};
 use fivebar_files::design_spec::parse;
 use fivebar_files::source::FileError;
 use std::path::Path;
@@ -161,5 +161,94 @@ fn either_requirement_alone_suffices_and_none_is_refused() {
             refused.starts_with("spec.toml, line ") && refused.contains(reason),
             "{refused}"
         );
+    }
+}
+
+#[test]
+fn lengths_in_stock_are_a_step_or_a_list() {
+    let stock = |stock: &str| {
+        let objective = format!("maximise = \"size\"\n{stock}");
+        spec("kind = \"annulus\"", &objective).map(|spec| spec.stock)
+    };
+    assert_eq!(stock("").unwrap(), Stock::default());
+    assert_eq!(Stock::step(1e-3).unwrap(), Stock::default());
+    assert_eq!(
+        stock("[stock]\nstep = 0.005").unwrap(),
+        Stock::step(5e-3).unwrap()
+    );
+    assert_eq!(
+        stock("[stock]\nlengths = [0.2, 0.1]").unwrap(),
+        Stock::list(&[0.1, 0.2]).unwrap()
+    );
+    for (text, reason) in [
+        ("[stock]", "`step` of [stock] must be given"),
+        (
+            "[stock]\nstep = 0.001\nlengths = [0.1]",
+            "`step` of [stock] must be given",
+        ),
+        (
+            "[stock]\nstep = 0.0",
+            "`step` of [stock] must be 0.0001 to 20.0 m",
+        ),
+        (
+            "[stock]\nlengths = [0.1, -0.1]",
+            "`lengths` of [stock] must be one",
+        ),
+        (
+            "[stock]\nlengths = []",
+            "`lengths` of [stock] must be one length or more",
+        ),
+        (
+            "[stock]\nlengths = [100.0]",
+            "`lengths` of [stock] must be one",
+        ),
+    ] {
+        let error = stock(text).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+}
+
+#[test]
+fn a_payload_has_each_motor_alone_and_with_each_gear_the_cheapest_first() {
+    let payload = "[payload]\nmass = 0.5\nspeed = 1.0\nacceleration = 5.0\nlink_density = 0.3\n";
+    let motor = "[[motor]]\nname = \"M\"\ntorque = 0.5\nspeed = 100.0\ninertia = 1e-5\nprice = 20.0\nmass = 0.3\n";
+    let gear = "[[gear]]\nname = \"G\"\nratio = 10.0\nefficiency = 0.8\ntorque = 3.0\nprice = 30.0\nmass = 0.2\n";
+    let with = |more: &str| {
+        let objective = format!("maximise = \"size\"\n{more}");
+        let spec = spec("kind = \"annulus\"", &objective);
+        spec.map(|spec| spec.payload)
+            .map_err(|error| error.to_string())
+    };
+    let found = with(&format!("{payload}{motor}{gear}")).unwrap().unwrap();
+    let [alone, geared] = &found.drives[..] else {
+        panic!("{found:?}")
+    };
+    assert_eq!(alone.name, "M");
+    assert_eq!(
+        (&*geared.name, geared.torque, geared.speed),
+        ("M with G", 4.0, 10.0)
+    );
+    assert_eq!(
+        (geared.torque_limit, geared.price, geared.mass),
+        (3.0, 50.0, 0.5)
+    );
+    assert!((geared.inertia - 1e-3).abs() < 1e-15);
+    for (more, reason) in [
+        (payload.to_owned(), "needs [[motor]]"),
+        (motor.to_owned(), "`mass` of [payload] is missing"),
+        (
+            format!("{payload}{motor}{}", gear.replace("0.8", "80.0")),
+            "`efficiency` of [[gear]] 1 must be 0.01 to 1.0",
+        ),
+        (
+            format!(
+                "{}{motor}",
+                payload.replace("acceleration = 5.0", "acceleration = -5.0")
+            ),
+            "`acceleration` of [payload] must be 0.0 to 10000.0 m/s²",
+        ),
+    ] {
+        let error = with(&more).unwrap_err();
+        assert!(error.contains(reason), "{error}");
     }
 }

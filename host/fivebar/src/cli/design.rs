@@ -24,8 +24,8 @@ pub(super) struct Args {
     /// What is wanted of the arm.
     #[arg(value_name = "SPEC.toml")]
     specification: PathBuf,
-    /// Also write DIR/report.html with the arms and their front, DIR/best.toml, a robot file with lengths in whole
-    /// millimetres, and DIR/front-2.toml and so on. Each search that is done is kept in
+    /// Also write DIR/report.html with the arms and their front, DIR/best.toml, a robot file with lengths in
+    /// stock, and DIR/front-2.toml and so on. Each search that is done is kept in
     /// DIR/searches.json: the same command goes on from there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,

@@ -57,7 +57,7 @@ fn the_robot_file_has_whole_millimetres_and_every_command_takes_it() {
     assert!(output.status.success(), "{output:?}");
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(
-        table.contains("whole mm") && table.contains("proved"),
+        table.contains("stock") && table.contains("proved"),
         "{table}"
     );
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();

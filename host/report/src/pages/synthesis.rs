@@ -3,14 +3,14 @@
 use crate::html::{Chart, Page};
 use crate::picture::designs;
 use crate::study::synthesis::robot_file;
-use crate::text::{proof_sentence, quantity};
+use crate::text::{drive_line, proof_sentence, quantity};
 use fivebar_design::synthesis::{Design, Measure, Objective, Specification, Synthesis};
 use fivebar_files::robot::DraftError;
 
 /// Most arms that are drawn.
 const MOST_DRAWN: usize = 24;
 
-/// The files of a synthesis by name: report.html; best.toml, the arm in whole millimetres; and
+/// The files of a synthesis by name: report.html; best.toml, the arm of lengths in stock; and
 /// front-2.toml and so on, the other arms of the front, as exact as they were found.
 ///
 /// # Errors
@@ -25,7 +25,7 @@ pub fn synthesis_files(
             "report.html".into(),
             synthesis(name, specification, found).render(),
         ),
-        ("best.toml".into(), robot_file(name, &found.whole)?),
+        ("best.toml".into(), robot_file(name, &found.stock)?),
     ];
     for (index, design) in found.front.iter().enumerate().skip(1) {
         let name = format!("front-{}", index + 1);
@@ -37,22 +37,23 @@ pub fn synthesis_files(
 /// The page: the best arm, the front as a chart and as a table, and a drawing of each arm.
 fn synthesis(name: &str, specification: &Specification, found: &Synthesis) -> Page {
     let sought = Sought::of(specification.objective);
-    let whole = &found.whole;
+    let stock = &found.stock;
     let mut page = Page::new(format!("An arm for {name}"));
     page.key_figures(&[
-        (sought.name, sought.text(whole)),
-        ("least 1/κ", format!("{:.3}", whole.dexterity)),
-        ("links and half the base", quantity(whole.link_sum(), "m")),
+        (sought.name, sought.text(stock)),
+        ("least 1/κ", format!("{:.3}", stock.dexterity)),
+        ("links and half the base", quantity(stock.link_sum(), "m")),
     ]);
+    // To a micrometre, without zeros behind.
+    let [l1, l2, l3, l4, base] = stock.lengths.map(|length| (1e6 * length).round() / 1e3);
     page.paragraph(&format!(
-        "The arm in whole millimetres, best.toml, has l1 = {:.0}, l2 = {:.0}, l3 = {:.0}, l4 = {:.0}, base {:.0} mm. {}.",
-        1e3 * whole.lengths[0],
-        1e3 * whole.lengths[1],
-        1e3 * whole.lengths[2],
-        1e3 * whole.lengths[3],
-        1e3 * whole.lengths[4],
-        proof_sentence("It is", found.whole_proof),
+        "The arm of lengths in stock, best.toml, has l1 = {l1}, l2 = {l2}, l3 = {l3}, l4 = {l4}, base {base} mm. {}.",
+        proof_sentence("It is", found.stock_proof),
     ));
+    let drive = drive_line("The payload", stock, found.drives[1].as_ref());
+    if !drive.is_empty() {
+        page.paragraph(&drive);
+    }
     if found.front.len() > 1 {
         page.heading("The front");
         page.paragraph(
@@ -114,11 +115,11 @@ fn synthesis(name: &str, specification: &Specification, found: &Synthesis) -> Pa
     page
 }
 
-/// The arms by name: the best, in whole millimetres, and the others of the front.
+/// The arms by name: the best, of lengths in stock, and the others of the front.
 fn arms(found: &Synthesis) -> Vec<(String, Design)> {
     let first = [
         ("best".to_owned(), found.best),
-        ("whole mm".to_owned(), found.whole),
+        ("stock".to_owned(), found.stock),
     ];
     let others = found.front.iter().enumerate().skip(1);
     let others = others.map(|(index, design)| (format!("front {}", index + 1), *design));

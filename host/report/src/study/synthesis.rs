@@ -1,6 +1,6 @@
 //! A synthesis as JSON, and its designs as robot files.
 
-use fivebar_design::synthesis::{Design, Found, Proof, Study, Synthesis};
+use fivebar_design::synthesis::{Design, Drive, Found, Proof, Study, Synthesis};
 use fivebar_files::robot::{Draft, DraftError, Motors};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -13,18 +13,27 @@ pub fn answer(synthesis: &Synthesis) -> Value {
     };
     json!({
         "best": design(&synthesis.best),
-        "whole_millimetres": design(&synthesis.whole),
+        "whole_millimetres": design(&synthesis.stock),
         "front": synthesis.front.iter().map(design).collect::<Vec<_>>(),
         "sensitivity_per_m": synthesis.sensitivity,
+        "drive": synthesis.drives[0].as_ref().map(drive),
+        "stock_drive": synthesis.drives[1].as_ref().map(drive),
         "evaluations": synthesis.evaluations,
         "proved": synthesis.proof == Proof::Proved,
         "unproved_at": unproved_at,
-        "whole_proved": synthesis.whole_proof == Proof::Proved,
+        "whole_proved": synthesis.stock_proof == Proof::Proved,
     })
+}
+
+fn drive(drive: &Drive) -> Value {
+    json!({ "name": drive.name, "price": drive.price, "mass": drive.mass })
 }
 
 fn design(design: &Design) -> Value {
     let (measures, worst) = (design.measures, design.worst_points);
+    let load = design.load;
+    let load =
+        json!({ "torque": load.torque, "speed": load.speed, "acceleration": load.acceleration });
     let has_error = measures.error > 0.0;
     json!({
         "link_lengths": design.lengths,
@@ -36,6 +45,7 @@ fn design(design: &Design) -> Value {
         "speed_per_rate": measures.speed,
         "stiffness_per_drive": measures.stiffness,
         "error": has_error.then_some(measures.error),
+        "load": (design.load.torque > 0.0).then_some(load),
         "worst_points": {
             "dexterity": worst.dexterity,
             "torque": worst.torque,

@@ -20,6 +20,6 @@ pub use mobility::explain;
 pub(crate) use mobility::steps;
 pub use photo::photo;
 pub use quantity::quantity;
-pub(crate) use synthesis::proof_sentence;
 pub use synthesis::synthesis;
+pub(crate) use synthesis::{drive_line, proof_sentence};
 pub use workspace::workspace;

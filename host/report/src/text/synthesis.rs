@@ -1,7 +1,7 @@
 //! A synthesis as text.
 
 use super::quantity;
-use fivebar_design::synthesis::{Design, Proof, Synthesis};
+use fivebar_design::synthesis::{Design, Drive, Load, Proof, Synthesis};
 use std::fmt::Write as _;
 
 /// The designs as a table, which millimetre matters, and what is proved.
@@ -10,14 +10,14 @@ pub fn synthesis(synthesis: &Synthesis) -> String {
         "                    l1       l2       l3       l4     base      sum     size   1/κ  place x, y\n",
     );
     row(&mut text, "best", &synthesis.best);
-    row(&mut text, "whole mm", &synthesis.whole);
+    row(&mut text, "stock", &synthesis.stock);
     for (index, design) in synthesis.front.iter().enumerate().skip(1) {
         row(&mut text, &format!("front {}", index + 1), design);
     }
     text.push_str(
         "at the worst point  torque for 1 N  speed at 1 rad/s  stiffness at 1 N·m/rad  RMS error\n",
     );
-    for (name, design) in [("best", &synthesis.best), ("whole mm", &synthesis.whole)] {
+    for (name, design) in [("best", &synthesis.best), ("stock", &synthesis.stock)] {
         let measures = design.measures;
         let error = match measures.error {
             0.0 => "no tolerance given".to_owned(),
@@ -31,6 +31,12 @@ pub fn synthesis(synthesis: &Synthesis) -> String {
             quantity(measures.stiffness, "N/m"),
         );
     }
+    for ((name, design), drive) in [("best", &synthesis.best), ("stock", &synthesis.stock)]
+        .into_iter()
+        .zip(&synthesis.drives)
+    {
+        text += &drive_line(name, design, drive.as_ref());
+    }
     let per_mm = synthesis.sensitivity.map(|loss| 1e-3 * loss);
     let _ = write!(text, "loss of 1/κ per mm");
     for loss in per_mm {
@@ -43,11 +49,34 @@ pub fn synthesis(synthesis: &Synthesis) -> String {
     );
     for (what, proof) in [
         ("best:", synthesis.proof),
-        ("whole mm:", synthesis.whole_proof),
+        ("stock:", synthesis.stock_proof),
     ] {
         let _ = writeln!(text, "{}", proof_sentence(what, proof));
     }
     text
+}
+
+/// What the payload asks of a drive, and the cheapest one that suffices; nothing without a payload.
+pub(crate) fn drive_line(name: &str, design: &Design, drive: Option<&Drive>) -> String {
+    let load = design.load;
+    if load == Load::default() {
+        return String::new();
+    }
+    let drive = match drive {
+        Some(drive) => format!(
+            "{}, {} and {} each",
+            drive.name,
+            drive.price,
+            quantity(drive.mass, "kg")
+        ),
+        None => "no drive of the list suffices".to_owned(),
+    };
+    format!(
+        "{name}: a drive needs {}, {} and {}: {drive}\n",
+        quantity(load.torque, "N·m"),
+        quantity(load.speed, "rad/s"),
+        quantity(load.acceleration, "rad/s²"),
+    )
 }
 
 /// Whether `what` is proved.

@@ -1,10 +1,15 @@
 //! Specifications of `fivebar design`: what is wanted of an arm, in TOML.
 
+mod payload;
+
 use super::job::{Action, Job, Placement, read as read_job};
 use super::refusal::{Key, Refusal, Refusals};
 use super::source::{FileError, Source};
 use super::text_file::{LARGEST_TOML, read_text};
-use fivebar_design::synthesis::{Area, CrankRange, Measure, Objective, Specification, Tolerance};
+use fivebar_design::synthesis::{
+    Area, CrankRange, Measure, Objective, Specification, Stock, Tolerance,
+};
+use payload::{GearFile, MotorFile, PayloadFile};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -26,8 +31,14 @@ struct SpecFile {
     link_sum: Option<f64>,
     area: AreaFile,
     require: RequireFile,
+    stock: Option<StockFile>,
     tolerance: Option<ToleranceFile>,
     objective: ObjectiveFile,
+    payload: Option<PayloadFile>,
+    #[serde(default)]
+    motor: Vec<MotorFile>,
+    #[serde(default)]
+    gear: Vec<GearFile>,
 }
 
 #[derive(Deserialize)]
@@ -58,6 +69,13 @@ struct RequireFile {
     dexterity: Option<f64>,
     sine: Option<f64>,
     crank: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StockFile {
+    step: Option<f64>,
+    lengths: Option<Vec<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -175,6 +193,12 @@ fn made(
     }
     let [dexterity, sine] = required(&spec.require, &mut refusals);
     let cranks = refusals.noted(cranks(&spec.require));
+    let stock = refusals.noted(stock(spec.stock.as_ref()));
+    let payload = refusals.noted(payload::made(
+        spec.payload.as_ref(),
+        &spec.motor,
+        &spec.gear,
+    ));
     let front = spec.objective.front;
     if !(1..=MOST_DESIGNS).contains(&front) {
         let reason = format!("must be 1 to {MOST_DESIGNS} designs, not {front}");
@@ -213,6 +237,8 @@ fn made(
         dexterity,
         sine,
         cranks: cranks?,
+        stock: stock?,
+        payload: payload?,
         tolerance: tolerance?,
         objective,
         front,
@@ -258,6 +284,31 @@ fn cranks(require: &RequireFile) -> Result<Option<CrankRange>, Refusal> {
         );
         Key::In("require", "crank").refused(reason)
     })
+}
+
+/// The lengths that can be had; whole millimetres if the file says nothing.
+fn stock(stock: Option<&StockFile>) -> Result<Stock, Refusal> {
+    let Some(StockFile { step, lengths }) = stock else {
+        return Ok(Stock::default());
+    };
+    match (step, lengths) {
+        (&Some(step), None) => Stock::step(step)
+            .filter(|_| step <= LONGEST)
+            .ok_or_else(|| {
+                let reason = format!("must be 0.0001 to {LONGEST:?} m, not {step:?}");
+                Key::In("stock", "step").refused(reason)
+            }),
+        (None, Some(lengths)) => Stock::list(lengths)
+            .filter(|_| lengths.iter().all(|length| *length <= LONGEST))
+            .ok_or_else(|| {
+                let reason = format!("must be one length or more, 0.0001 to {LONGEST:?} m each");
+                Key::In("stock", "lengths").refused(reason)
+            }),
+        _ => {
+            let reason = "must be given, in metres, or `lengths` in place of it";
+            Err(Key::In("stock", "step").refused(reason))
+        }
+    }
 }
 
 /// The stated errors; none are 0.
