@@ -147,6 +147,7 @@ impl Recorder {
                 }
                 Step::Locked => locked = at,
                 Step::Pointed => {
+                    eprintln!("point {at}: {:?}", steps.clone().take_while(|(_, step)| *step == Step::Locked).map(|(at, _)| at).collect::<Vec<_>>());
                     here.tick_up_to(at);
                     here.controller.feed_host_timeout();
                     let (n, point) = points.next().expect("a point");

@@ -207,17 +207,13 @@ impl Planner {
         point: &StreamPoint,
     ) {
         let snapshot = controller.lock(|controller| controller.planning_snapshot());
-        self.watch_stream(controller, &snapshot);
+        let now = self.watch_stream(controller, &snapshot);
         let Some(mut stream) = self.stream.filter(|stream| stream.takes(point.id)) else {
             return;
         };
-        let taken = match stream.config.mode {
-            StreamMode::Joint | StreamMode::Tip => {
-                self.follow_point(controller, &snapshot, &mut stream, n, point)
-            }
-            StreamMode::Free | StreamMode::Impedance(_) => {
-                Self::feed_touch(controller, &stream, n, point)
-            }
+        let taken = match now {
+            Some(now) => self.follow_point(controller, &snapshot, &mut stream, (n, point), now),
+            None => Self::feed_touch(controller, &stream, n, point),
         };
         stream.note(n, taken);
         self.stream = Some(stream);
@@ -247,26 +243,26 @@ impl Planner {
         ahead.clamp(i16::MIN.into(), i16::MAX.into()) as i16
     }
 
-    /// Looks whether the stream still has the arm, whether it has run dry, and whether its host is silent.
+    /// Looks whether the stream still has the arm, whether it has run dry, and whether its host is silent. Returns the tick in
+    /// which it looked; none where the arm gives way, or no stream has it.
     pub(super) fn watch_stream(
         &mut self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         snapshot: &PlanningSnapshot,
-    ) {
+    ) -> Option<u32> {
         self.follow(snapshot);
         let coast = self.coast();
-        let Some(stream) = self.stream.as_mut().filter(|stream| stream.is_active()) else {
-            return;
-        };
+        let stream = self.stream.as_mut().filter(|stream| stream.is_active())?;
         if stream.config.mode.gives_way() {
-            return stream.watch_touch(controller, snapshot.state);
+            stream.watch_touch(controller, snapshot.state);
+            return None;
         }
         let is_own = stream.path_generation == snapshot.path_generation;
         if !(is_own && snapshot.state.follows_paths()) {
             stream.end(StreamReason::Stopped);
             stream.progress.phase = StreamPhase::Ended;
             stream.end = None;
-            return;
+            return None;
         }
         let tick = controller.lock(|controller| {
             controller.latch_silence();
@@ -285,16 +281,17 @@ impl Planner {
         if stream.end.is_none() && stream.progress.phase == StreamPhase::Ends {
             stream.progress.phase = StreamPhase::Ended;
         }
+        Some(tick)
     }
 
-    /// Goes on to a point.
+    /// Goes on to the n-th point.
     fn follow_point(
         &mut self,
         controller: &mut impl Mutex<T = ArmController<impl Drives>>,
         snapshot: &PlanningSnapshot,
         stream: &mut Stream,
-        n: u16,
-        point: &StreamPoint,
+        (n, point): (u16, &StreamPoint),
+        now: u32,
     ) -> Result<(), StreamReason> {
         if !point.is_finite() {
             return Err(StreamReason::Number);
@@ -302,7 +299,6 @@ impl Planner {
         if point.force != (0.0, 0.0) {
             return Err(StreamReason::Force);
         }
-        let now = controller.lock(|controller| controller.ticks());
         let ahead = point.due.wrapping_sub(now) as i32;
         if !stream.is_next(n) {
             return Err(StreamReason::Order);
