@@ -23,17 +23,51 @@ pub enum Measure {
     CyclesWaiting,
 }
 
-/// Cycles to refill the pipeline after a branch is taken, at most.
-const REFILL: u64 = 3;
-/// Wait states of the flash.
-const WAIT: u64 = 5;
-/// A line of the flash [bytes].
-const LINE: u32 = 16;
-/// A branch that is taken waits for a line, after another one that was fetched ahead for nothing.
-const JUMP: u64 = 2 * WAIT;
-/// An access to data waits for a line of instructions on its way, and for its own. Accesses to
-/// peripherals over a bridge to a slower bus wait as long.
-const ACCESS: u64 = 2 * WAIT;
+/// What an instruction costs on a core, besides the cycles of its own: where its code lies, and what makes it wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Core {
+    /// Cycles to refill the pipeline after a branch is taken, at most.
+    refill: u64,
+    /// Cycles that a line of code is waited for, and its size [bytes].
+    wait: u64,
+    line: u32,
+    /// A branch that is taken waits for its line, after another one that was fetched ahead for nothing.
+    jump: u64,
+    /// A constant among the code waits for so many cycles, and any other access to memory, where the code waits.
+    literal: u64,
+    access: u64,
+    /// Any access where all of them wait.
+    register: u64,
+}
+
+/// A Cortex-M4 that runs from the flash of an STM32F405.
+pub const M4_IN_FLASH: Core = Core {
+    refill: 3,
+    wait: 5,
+    line: 16,
+    jump: 2 * 5,
+    // For a line of instructions on its way, and for its own.
+    literal: 2 * 5,
+    access: 0,
+    register: 2 * 5,
+};
+
+/// A Cortex-M33 that runs from the SRAM of an RP2350, which answers in one cycle. Arm states no cycles for the instructions of
+/// this core, whose pipeline is the Cortex-M4's with a second, narrower way beside it: so those of the Cortex-M4 are taken, each at its largest.
+/// Code and data share one bus, the system bus, so nothing is taken to pass at the same time: each word of code costs a
+/// cycle of its own, and each access one more. A register over APB takes 3 cycles to be read and 4 to be written; 6 are taken.
+pub const M33_IN_SRAM: Core = Core {
+    refill: 3,
+    wait: 1,
+    line: 4,
+    jump: 2,
+    literal: 1,
+    access: 1,
+    register: 1 + APB,
+};
+
+/// Cycles that a register of the RP2350 over its bridge to APB is waited for.
+pub const APB: u64 = 6;
 
 /// The number of measures.
 pub const MEASURES: usize = 4;
@@ -47,34 +81,35 @@ impl Measure {
         Self::CyclesWaiting,
     ];
 
-    /// The cost of an instruction, without those that it calls.
-    pub fn node(self, node: &Node) -> u64 {
+    /// The cost of an instruction on a core, without those that it calls.
+    pub fn node(self, core: Core, node: &Node) -> u64 {
         let instruction = &node.instruction;
         // A call and a return are branches, which have no edge in the function's own graph.
         let branches = u64::from(node.leaves) + 2 * u64::from(!node.calls.is_empty());
-        let cycles = u64::from(instruction.cycles) + branches * REFILL;
+        let cycles = u64::from(instruction.cycles) + branches * core.refill;
+        let last = node.address + instruction.length - 1;
+        let begins_line = node.address.is_multiple_of(core.line);
+        let lines = last / core.line - node.address / core.line + u32::from(begins_line);
+        let code = branches * core.jump + u64::from(lines) * core.wait;
+        let (accesses, literals) = (
+            u64::from(instruction.accesses),
+            u64::from(instruction.literals),
+        );
         match self {
             Self::Instructions => 1,
             Self::CyclesWithoutWaiting => cycles,
-            Self::CyclesCodeWaits | Self::CyclesWaiting => {
-                let last = node.address + instruction.length - 1;
-                let begins_line = node.address.is_multiple_of(LINE);
-                let lines = last / LINE - node.address / LINE + u32::from(begins_line);
-                let waiting = if self == Self::CyclesWaiting {
-                    instruction.accesses
-                } else {
-                    instruction.literals
-                };
-                cycles + branches * JUMP + u64::from(waiting) * ACCESS + u64::from(lines) * WAIT
+            Self::CyclesCodeWaits => {
+                cycles + code + literals * core.literal + (accesses - literals) * core.access
             }
+            Self::CyclesWaiting => cycles + code + accesses * core.register,
         }
     }
 
     /// The cost of an edge between two instructions.
-    pub fn edge(self, edge: Edge) -> u64 {
+    pub fn edge(self, core: Core, edge: Edge) -> u64 {
         match self {
-            Self::CyclesWithoutWaiting if edge.taken => REFILL,
-            Self::CyclesCodeWaits | Self::CyclesWaiting if edge.taken => REFILL + JUMP,
+            Self::CyclesWithoutWaiting if edge.taken => core.refill,
+            Self::CyclesCodeWaits | Self::CyclesWaiting if edge.taken => core.refill + core.jump,
             _ => 0,
         }
     }
@@ -82,13 +117,15 @@ impl Measure {
     /// Entry into an exception and return from it. The FPU's registers are saved at the handler's first
     /// instruction of the FPU (lazy stacking, which the core has on after a reset), and restored at its
     /// return if there was one.
-    pub fn exception(self, float: bool) -> u64 {
+    pub fn exception(self, core: Core, float: bool) -> u64 {
         let frame = if float { FRAME + FLOAT_FRAME } else { FRAME };
         match self {
             Self::Instructions => 0,
             Self::CyclesWithoutWaiting => 2 * frame,
-            // The handler's address is read from the flash; the first line and that returned to.
-            Self::CyclesCodeWaits | Self::CyclesWaiting => 2 * frame + ACCESS + 2 * JUMP,
+            // The handler's address is read where the code is; the first line and that returned to.
+            Self::CyclesCodeWaits | Self::CyclesWaiting => {
+                2 * frame * (1 + core.access) + core.literal + 2 * core.jump
+            }
         }
     }
 }

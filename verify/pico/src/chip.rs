@@ -6,6 +6,7 @@ use crate::flash::FlashEvent;
 use crate::image::Image;
 use crate::pins::Wires;
 use crate::rom::{self, Function};
+use crate::usb_host::UsbHost;
 use crate::{acquire, fpu, masks};
 use rp2350_emu::core::CortexM33;
 use rp2350_emu::threaded::CoreAtomics;
@@ -15,6 +16,9 @@ use std::sync::Arc;
 pub const HZ: u64 = 150_000_000;
 /// The interrupt of UART0.
 const UART0: u32 = 33;
+/// The interrupt of USB, and the number of its exception.
+const USB: u32 = 14;
+const USB_EXCEPTION: u32 = 16 + USB;
 /// What the flash takes: for a block of 64 KiB and a page of 256 bytes [cycles].
 const BLOCK: u64 = HZ * 150 / 1000;
 const PAGE: u64 = HZ * 400 / 1_000_000;
@@ -82,9 +86,12 @@ impl Chip {
         let flash = std::mem::take(&mut self.bus.flash);
         let stop = self.bus.blocks.wires.stop;
         let arm = self.bus.blocks.arm.take();
+        let mut usb_host = std::mem::take(&mut self.bus.blocks.usb_host);
+        usb_host.lose_device();
         self.bus = Bus::new(flash, Arc::clone(&self.bus.atomics));
         self.bus.blocks.wires.stop = stop;
         self.bus.blocks.arm = arm;
+        self.bus.blocks.usb_host = usb_host;
         self.boot();
     }
 
@@ -142,6 +149,11 @@ impl Chip {
     pub fn receive(&mut self, most: usize) -> Vec<u8> {
         let sent = &mut self.bus.blocks.uart.to_host;
         sent.drain(..most.min(sent.len())).collect()
+    }
+
+    /// The host at its USB cable.
+    pub fn usb(&mut self) -> &mut UsbHost {
+        &mut self.bus.blocks.usb_host
     }
 
     /// Bytes that the chip has lost because nobody took them.
@@ -220,6 +232,11 @@ impl Chip {
         self.at += cycles;
         if blocks.uart.advance(cycles) {
             self.bus.atomics.assert_irq(0, UART0);
+        }
+        // A level: it raises the interrupt again as long as it is there.
+        let serves = self.core.regs.ipsr() == USB_EXCEPTION;
+        if self.bus.blocks.advance_usb(cycles) && !serves {
+            self.bus.atomics.assert_irq(0, USB);
         }
         if self.bus.blocks.watchdog.advance(cycles) {
             self.resets += 1;

@@ -69,10 +69,19 @@ impl Bench {
 
     /// An image with these settings.
     pub(crate) fn with(image: &str, robot: Robot, settings: Settings) -> Self {
-        let image = Image::read(&path(image)).expect("an image");
-        let mut chip = Chip::new(&image);
-        chip.run(HZ / 100).expect("it starts");
-        let line = HostLine::new(chip);
+        Self::on(HostLine::new(started(image)), robot, settings)
+    }
+
+    /// The same over USB.
+    pub(crate) fn over_usb(image: &str, robot: &str) -> Self {
+        let robot = Robot::load(robot).expect("a built-in robot");
+        let settings = robot.settings().expect("settings");
+        let line = HostLine::new(started(image)).over_usb();
+        plug(&mut line.chip());
+        Self::on(line, robot, settings)
+    }
+
+    fn on(line: HostLine, robot: Robot, settings: Settings) -> Self {
         let (mut client, identity) = open(&line);
         let applied = client.write_settings(&settings).expect("a line");
         applied.expect("the settings are applied");
@@ -139,7 +148,27 @@ impl Bench {
     }
 }
 
-fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
+/// A chip whose image has started.
+fn started(image: &str) -> Chip {
+    let image = Image::read(&path(image)).expect("an image");
+    let mut chip = Chip::new(&image);
+    chip.run(HZ / 100).expect("it starts");
+    chip
+}
+
+/// Plugs the USB cable in, and waits until the host has opened the serial line.
+pub(crate) fn plug(chip: &mut Chip) {
+    chip.usb().plug();
+    for _ in 0..100 {
+        chip.run(HZ / 1000).expect("it runs");
+        if chip.usb().is_open() {
+            return;
+        }
+    }
+    panic!("the host finds no serial line within 0.1 s");
+}
+
+pub(crate) fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
     Client::open_with_clock(line.clone(), HostLine::time).expect("it answers")
 }
 
