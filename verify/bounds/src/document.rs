@@ -143,7 +143,7 @@ fn of_pico(figures: &str) -> Option<String> {
         return None;
     };
     let mut text = format!(
-        "\n| cycles of 150 MHz where all accesses wait | `{}` | `{}` | limit |\n|---|---|---|---|\n",
+        "\n|cycles at 150 MHz, all accesses wait|`{}`|`{}`|limit|\n|---|---|---|---|\n",
         stepper.label, servo.label
     );
     for (what, name) in [
@@ -163,7 +163,7 @@ fn of_pico(figures: &str) -> Option<String> {
         let limit = stepper.budget(name).map_or("–".to_owned(), grouped);
         let _ = writeln!(
             text,
-            "| {what} | {} | {} | {limit} |",
+            "|{what}|{}|{}|{limit}|",
             figure(stepper)?,
             figure(servo)?
         );

@@ -79,6 +79,8 @@ pub(crate) struct Blocks {
     since_arm: u64,
     /// Pins whose rising edge is kept.
     risen: u32,
+    /// The crystal does not swing.
+    pub(crate) crystal_is_dead: bool,
     /// POWMAN_CHIP_RESET.
     pub(crate) chip_reset: u32,
 }
@@ -101,6 +103,7 @@ impl Default for Blocks {
             arm: None,
             since_arm: 0,
             risen: 0,
+            crystal_is_dead: false,
             // Power came on.
             chip_reset: 1 << 16,
         }
@@ -183,7 +186,10 @@ impl Blocks {
             (0x4001_0000, 0x44) => 1 << (stored(block + 0x3c).unwrap_or(0) & 1),
             (0x4001_0000, ..0x90) => stored(block + offset).unwrap_or(0),
             // The crystal is stable once it is enabled.
-            (0x4004_8000, 4) => u32::from(stored(block) == Some(0x00fa_baa0)) << 31,
+            (0x4004_8000, 4) => {
+                let swings = stored(block) == Some(0x00fa_baa0) && !self.crystal_is_dead;
+                u32::from(swings) << 31
+            }
             (0x4004_8000, ..0x14) => stored(block + offset).unwrap_or(0),
             (0x4005_0000, 0) => self.pll_status(block, 125),
             (0x4005_8000, 0) => self.pll_status(block, 100),

@@ -19,6 +19,8 @@ const UART0: u32 = 33;
 /// The interrupt of USB, and the number of its exception.
 const USB: u32 = 14;
 const USB_EXCEPTION: u32 = 16 + USB;
+/// The number of the exception of the ticks.
+const SYSTICK_EXCEPTION: u32 = 15;
 /// What the flash takes: for a block of 64 KiB and a page of 256 bytes [cycles].
 const BLOCK: u64 = HZ * 150 / 1000;
 const PAGE: u64 = HZ * 400 / 1_000_000;
@@ -37,6 +39,13 @@ pub struct Chip {
     done_at: Option<u64>,
     /// The core executes nothing.
     hangs: bool,
+    /// The tick that lasts: the core's own cycle in which its interrupt began.
+    tick_began: Option<u64>,
+    /// Ticks that have ended, and the cycles of the longest one.
+    pub ticks: u64,
+    pub longest_tick: u64,
+    /// The interrupt of the ticks is lost.
+    pub without_ticks: bool,
     /// Resets since power came on.
     pub resets: u32,
 }
@@ -53,6 +62,10 @@ impl Chip {
             before: 0,
             done_at: None,
             hangs: false,
+            tick_began: None,
+            ticks: 0,
+            longest_tick: 0,
+            without_ticks: false,
             resets: 0,
         };
         chip.boot();
@@ -65,6 +78,8 @@ impl Chip {
         self.at = 0;
         self.done_at = None;
         self.hangs = false;
+        self.without_ticks = false;
+        self.tick_began = None;
         self.bus.flash_is_busy = false;
         self.bus.atomics.reset();
         self.core = CortexM33::new(0, Arc::clone(&self.bus.atomics));
@@ -135,6 +150,24 @@ impl Chip {
         self.core.regs.set_pc(rom::UNDEFINED);
     }
 
+    /// What runs below the ticks hangs, from the next moment without an interrupt on.
+    pub fn hang_session(&mut self) {
+        while self.core.regs.ipsr() != 0 {
+            self.step();
+        }
+        self.core.regs.set_pc(rom::HANGS);
+    }
+
+    /// The core goes on at this address, such as that of a function that ends the program.
+    pub fn jump(&mut self, address: u32) {
+        self.core.regs.set_pc(address & !1);
+    }
+
+    /// The crystal does not swing, from now on.
+    pub fn take_crystal(&mut self) {
+        self.bus.blocks.crystal_is_dead = true;
+    }
+
     /// The core hangs: it executes nothing any more.
     pub fn hang(&mut self) {
         self.hangs = true;
@@ -189,7 +222,9 @@ impl Chip {
             self.core.invalidate_decode_cache_entries(&self.bus.written);
             self.bus.written.clear();
         }
+        let began = cycles;
         let cycles = self.core.cycles();
+        self.time_ticks(began, cycles);
         self.count_systick(cycles);
         let pc = self.core.regs.pc();
         if pc < 0x8000 && self.core.regs.ipsr() == 0 {
@@ -201,9 +236,26 @@ impl Chip {
         }
     }
 
+    /// Notes when the interrupt of a tick begins and ends. Nothing interrupts it.
+    fn time_ticks(&mut self, began: u64, now: u64) {
+        let ticks = self.core.regs.ipsr() == SYSTICK_EXCEPTION;
+        match self.tick_began {
+            None if ticks => self.tick_began = Some(began),
+            Some(began) if !ticks => {
+                self.tick_began = None;
+                self.ticks += 1;
+                self.longest_tick = self.longest_tick.max(now - began);
+            }
+            _ => {}
+        }
+    }
+
     /// Lets SysTick count. The emulated one raises its interrupt when it passes 0, but not when it stops there.
     fn count_systick(&mut self, cycles: u64) {
         const ENABLED: u32 = 0b11;
+        if self.without_ticks {
+            return;
+        }
         let ppb = &mut self.core.ppb;
         let before = ppb.syst_cvr;
         ppb.systick_advance(cycles);
@@ -248,7 +300,10 @@ impl Chip {
     /// Does what a function of the ROM does, and returns from it when that is done.
     fn in_rom(&mut self, pc: u32, cycles: u64) {
         let Some(function) = rom::at(pc) else {
-            return self.bus.violate("no function of the ROM is there", pc);
+            if pc != rom::HANGS {
+                self.bus.violate("no function of the ROM is there", pc);
+            }
+            return;
         };
         let [first, second, third] = [0, 1, 2].map(|register| self.core.reg(register));
         let takes = match function {

@@ -2,9 +2,9 @@
 
 mod bench;
 
-use bench::{Bench, PERIOD, commands, open, plug};
+use bench::{Bench, PERIOD, commands, frame, open, plug};
 use fivebar_firmware::Request;
-use fivebar_firmware::protocol::{HostCommand, HostMessage, Reply, Sequence, encode};
+use fivebar_firmware::protocol::{HostCommand, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_pico::{HZ, HostLine};
 
@@ -33,13 +33,6 @@ fn a_host_finds_the_device_and_opens_its_line() {
         drop(chip);
         assert_eq!(bench.status().fault, None);
     }
-}
-
-/// The bytes of a command.
-fn frame(sequence: u16, command: HostCommand) -> Vec<u8> {
-    let sequence = Sequence(sequence);
-    let message = HostMessage { sequence, command };
-    encode(&message).expect("a frame").to_vec()
 }
 
 /// Draws until the arm moves.

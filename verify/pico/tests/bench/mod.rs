@@ -6,7 +6,9 @@ use fivebar_files::robot::Robot;
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::{StepDrives, StepSample};
 use fivebar_firmware::planner::Planner;
-use fivebar_firmware::protocol::{CommandError, HostCommand, Identity, Reply};
+use fivebar_firmware::protocol::{
+    CommandError, HostCommand, HostMessage, Identity, Reply, Sequence, encode,
+};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{ArmSample, Move, MoveKind, Settings, Status};
 use fivebar_pico::{Chip, HZ, HostLine, Image, Pulse};
@@ -265,4 +267,11 @@ pub(crate) fn play(
 pub(crate) fn of(pulses: &[Pulse], joint: usize) -> Vec<Pulse> {
     let of_joint = |pulse: &&Pulse| pulse.joint == joint;
     pulses.iter().filter(of_joint).copied().collect()
+}
+
+/// The bytes of a command.
+pub(crate) fn frame(sequence: u16, command: HostCommand) -> Vec<u8> {
+    let sequence = Sequence(sequence);
+    let message = HostMessage { sequence, command };
+    encode(&message).expect("a frame").to_vec()
 }
