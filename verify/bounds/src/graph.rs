@@ -7,9 +7,9 @@
 
 use std::collections::HashMap;
 
+use crate::cores::M33_IN_SRAM;
 use crate::image::{Function, Image, SRAM};
 use crate::instruction::{Flow, Instruction};
-use crate::timing::M33_IN_SRAM;
 use crate::{Defect, Fault, narrow, wide};
 
 /// One instruction in the graph.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::timing::{Core, M4_IN_FLASH, M33_IN_SRAM};
+use crate::cores::{Core, M4_IN_FLASH, M33_IN_SRAM};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
 /// The machine code of a program, with the names and the places of its functions.

@@ -19,6 +19,7 @@
 //! the true maximum can be smaller, and never larger. `docs/verify/bounds.md` states what this relies on.
 
 pub mod blocking;
+pub mod cores;
 pub mod depth;
 pub mod document;
 mod float;

@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::cores::Core;
 use crate::depth::depths;
 use crate::graph::{Callees, Edge, Graph};
 use crate::image::Image;
 use crate::instruction::Stack;
 use crate::longest::{Bound, Cost, Longest, LoopError};
 use crate::stated::Stated;
-use crate::timing::{Core, MEASURES, Measure};
+use crate::timing::{MEASURES, Measure};
 use crate::{Defect, Fault};
 
 /// A function's bounds.

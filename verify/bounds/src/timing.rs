@@ -1,4 +1,4 @@
-//! What instructions cost: one each, or cycles of the Cortex-M4.
+//! What instructions cost: one each, or cycles of the Cortex-M4; [`cores`](crate::cores) has what else a core waits for.
 //!
 //! The cycles are those of the core's timing table (Cortex-M4 Technical Reference Manual, 3.3 and
 //! table 7-1), each at its largest: a division takes 12, a taken branch refills the pipeline in 3.
@@ -8,6 +8,7 @@
 //! not wait for the flash; and one where every access to data waits as well. Registers behind a bridge to a
 //! slower bus wait, too: [`registers`](crate::registers) adds them.
 
+use crate::cores::Core;
 use crate::graph::{Edge, Node};
 
 /// What is counted.
@@ -22,52 +23,6 @@ pub enum Measure {
     /// Cycles where no line of the flash is kept, and every access to data waits as well.
     CyclesWaiting,
 }
-
-/// What an instruction costs on a core, besides the cycles of its own: where its code lies, and what makes it wait.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Core {
-    /// Cycles to refill the pipeline after a branch is taken, at most.
-    refill: u64,
-    /// Cycles that a line of code is waited for, and its size [bytes].
-    wait: u64,
-    line: u32,
-    /// A branch that is taken waits for its line, after another one that was fetched ahead for nothing.
-    jump: u64,
-    /// A constant among the code waits for so many cycles, and any other access to memory, where the code waits.
-    literal: u64,
-    access: u64,
-    /// Any access where all of them wait.
-    register: u64,
-}
-
-/// A Cortex-M4 that runs from the flash of an STM32F405.
-pub const M4_IN_FLASH: Core = Core {
-    refill: 3,
-    wait: 5,
-    line: 16,
-    jump: 2 * 5,
-    // For a line of instructions on its way, and for its own.
-    literal: 2 * 5,
-    access: 0,
-    register: 2 * 5,
-};
-
-/// A Cortex-M33 that runs from the SRAM of an RP2350, which answers in one cycle. Arm states no cycles for the instructions of
-/// this core, whose pipeline is the Cortex-M4's with a second, narrower way beside it: so those of the Cortex-M4 are taken, each at its largest.
-/// Code and data share one bus, the system bus, so nothing is taken to pass at the same time: each word of code costs a
-/// cycle of its own, and each access one more. A register over APB takes 3 cycles to be read and 4 to be written; 6 are taken.
-pub const M33_IN_SRAM: Core = Core {
-    refill: 3,
-    wait: 1,
-    line: 4,
-    jump: 2,
-    literal: 1,
-    access: 1,
-    register: 1 + APB,
-};
-
-/// Cycles that a register of the RP2350 over its bridge to APB is waited for.
-pub const APB: u64 = 6;
 
 /// The number of measures.
 pub const MEASURES: usize = 4;

@@ -3,10 +3,10 @@
 mod seeds;
 
 use fivebar_bounds::Fault;
+use fivebar_bounds::cores::{M4_IN_FLASH, M33_IN_SRAM};
 use fivebar_bounds::image::{Image, SRAM};
 use fivebar_bounds::report::{self, Row};
 use fivebar_bounds::response::RP2350;
-use fivebar_bounds::timing::{M4_IN_FLASH, M33_IN_SRAM};
 use seeds::Images;
 
 const FIGURES: &str = include_str!("../figures_rp2350.txt");

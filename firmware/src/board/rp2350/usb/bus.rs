@@ -166,7 +166,11 @@ impl Bus {
                 let Some(kind) = kind else { continue };
                 let buffer = 2 * number + from_host;
                 let place = (Self::bytes(buffer) as usize - USB_DPRAM::PTR as usize) as u32;
-                let kind = if kind == EndpointType::Interrupt { 3 } else { 2 };
+                let kind = if kind == EndpointType::Interrupt {
+                    3
+                } else {
+                    2
+                };
                 // SAFETY: the kinds are those of the data sheet, and the place is one of this memory.
                 #[allow(unsafe_code)]
                 self.memory

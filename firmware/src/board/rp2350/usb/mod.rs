@@ -13,7 +13,9 @@ use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use rp235x_pac::Interrupt::USBCTRL_IRQ;
 use usb_device::bus::UsbBusAllocator;
-use usb_device::device::{StringDescriptors, UsbDevice, UsbDeviceBuilder, UsbDeviceState, UsbVidPid};
+use usb_device::device::{
+    StringDescriptors, UsbDevice, UsbDeviceBuilder, UsbDeviceState, UsbVidPid,
+};
 use usbd_serial::{CdcAcmClass, USB_CLASS_CDC};
 
 /// The number that V-USB shares among serial lines whose strings tell them apart.
@@ -42,7 +44,12 @@ pub struct Sender {
 }
 
 /// Both halves. The host sees the device from the first interrupt on.
-pub fn new(place: &'static mut Place, waiting: &'static mut Waiting, bus: Bus, name: &'static str) -> (Device, Sender) {
+pub fn new(
+    place: &'static mut Place,
+    waiting: &'static mut Waiting,
+    bus: Bus,
+    name: &'static str,
+) -> (Device, Sender) {
     let bus: &'static UsbBusAllocator<Bus> = place.write(UsbBusAllocator::new(bus));
     let class = CdcAcmClass::new(bus, PACKET as u16);
     let strings = StringDescriptors::default()
@@ -50,8 +57,12 @@ pub fn new(place: &'static mut Place, waiting: &'static mut Waiting, bus: Bus, n
         .product(name);
     let builder = UsbDeviceBuilder::new(bus, SHARED).device_class(USB_CLASS_CDC);
     // Neither is refused: there is room for one language, and 64 bytes are a size of packets.
-    let builder = builder.strings(&[strings]).unwrap_or_else(|_| unreachable!());
-    let builder = builder.max_packet_size_0(PACKET as u8).unwrap_or_else(|_| unreachable!());
+    let builder = builder
+        .strings(&[strings])
+        .unwrap_or_else(|_| unreachable!());
+    let builder = builder
+        .max_packet_size_0(PACKET as u8)
+        .unwrap_or_else(|_| unreachable!());
     let (sends, sent) = waiting.split();
     let device = Device {
         device: builder.build(),
