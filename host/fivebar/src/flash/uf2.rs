@@ -55,7 +55,7 @@ pub enum Uf2Error {
 /// Why it is not for a Pico 2.
 pub fn image(file: &[u8]) -> Result<&'static str, Uf2Error> {
     let mut numbers = BTreeSet::new();
-    let mut carried = Vec::new();
+    let mut carried: Vec<u8> = Vec::new();
     let mut all = 0;
     for (number, block) in file.chunks(BLOCK).enumerate() {
         let word = |at: usize| {
