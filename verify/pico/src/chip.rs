@@ -41,8 +41,9 @@ pub struct Chip {
     hangs: bool,
     /// The tick that lasts: the core's own cycle in which its interrupt began.
     tick_began: Option<u64>,
-    /// Ticks that have ended, and the cycles of the longest one.
+    /// Ticks that have ended.
     pub ticks: u64,
+    /// The cycles of the longest one.
     pub longest_tick: u64,
     /// The interrupt of the ticks is lost.
     pub without_ticks: bool,
