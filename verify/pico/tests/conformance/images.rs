@@ -58,17 +58,6 @@ impl Description {
         bench
     }
 
-    /// Whether the drives have power within a frame.
-    pub(crate) fn has_power(&self, bench: &mut Bench) -> bool {
-        let mut chip = bench.line.chip();
-        if !self.by_pulses {
-            return chip.wires().powered == [true; 2];
-        }
-        let before = chip.wires().pulses.len();
-        chip.run(FRAME).expect("it runs");
-        chip.wires().pulses.len() > before
-    }
-
     /// After so many cycles no drive has power, nor gets any.
     #[track_caller]
     pub(crate) fn is_off_after(&self, bench: &mut Bench, cycles: u64) {

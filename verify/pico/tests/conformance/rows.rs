@@ -1,22 +1,11 @@
 //! The rows: what every image must do, as `verify/chip` has it for those of the first board.
 
 use crate::bench::{Bench, frame};
-use crate::images::{BITTEN, Description, FRAME, go};
+use crate::images::{BITTEN, Description, go};
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::{HostCommand, Reset};
-use fivebar_firmware::safety::{Fault, State};
+use fivebar_firmware::safety::Fault;
 use fivebar_pico::{Chip, HZ};
-
-pub(crate) fn nothing_has_power_from_power_up_until_the_arm_is_armed(image: &Description) {
-    let mut bench = image.started();
-    assert!(bench.line.chip().wires().pulses.is_empty());
-    for _ in 0..5 {
-        assert!(!image.has_power(&mut bench));
-        bench.line.chip().run(HZ / 50).expect("it runs");
-    }
-    let mut bench = image.armed();
-    assert!(image.has_power(&mut bench));
-}
 
 pub(crate) fn ticks_come_at_their_rate_from_the_first_one_on(image: &Description) {
     let bench = image.started();
@@ -30,24 +19,6 @@ pub(crate) fn ticks_come_at_their_rate_from_the_first_one_on(image: &Description
     assert_eq!(bench.status().missed_ticks, 0);
 }
 
-pub(crate) fn arming_moves_no_joint_also_after_a_motion(image: &Description) {
-    let mut bench = image.moving();
-    bench.line.chip().run(2 * HZ).expect("it ends");
-    let before = place(&mut bench);
-    bench.request(Request::Disarm).expect("accepted");
-    bench.line.chip().run(HZ / 5).expect("it runs");
-    let again = if bench.status().homed {
-        Request::Arm
-    } else {
-        let [axis1, axis4] = &bench.settings.axes;
-        Request::SetAngles([axis1.home_angle, axis4.home_angle])
-    };
-    bench.request(again).expect("accepted");
-    bench.line.chip().run(HZ * 3 / 10).expect("it runs");
-    assert_eq!(bench.status().state, State::Armed);
-    assert_eq!(place(&mut bench), before);
-}
-
 /// Steps that were made, and the lengths of the last pulses.
 fn place(bench: &mut Bench) -> ([i32; 2], [u64; 2]) {
     let mut chip = bench.line.chip();
@@ -57,20 +28,6 @@ fn place(bench: &mut Bench) -> ([i32; 2], [u64; 2]) {
         of_joint.map_or(0, |pulse| pulse.cycles)
     });
     (wires.edges, last)
-}
-
-pub(crate) fn a_stop_on_the_path_ends_the_motion_and_disarming_the_power(image: &Description) {
-    let mut bench = image.moving();
-    bench.request(Request::Stop).expect("accepted");
-    bench.line.chip().run(HZ / 2).expect("it runs");
-    let before = place(&mut bench);
-    bench.line.chip().run(HZ / 5).expect("it runs");
-    assert_eq!(place(&mut bench), before);
-    assert_eq!(bench.status().fault, None);
-    assert!(image.has_power(&mut bench));
-    bench.request(Request::Disarm).expect("accepted");
-    bench.line.chip().run(HZ / 5).expect("it runs");
-    image.is_off_after(&mut bench, FRAME);
 }
 
 /// The program ends in motion, and starts again.
