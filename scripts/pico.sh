@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the images of the RP2350 for hobby servos and for steppers, each with its file for drag and drop, and runs them on the
-# simulated Pico 2 of the folder verify/pico.
+# Builds the images of the RP2350 for hobby servos and for steppers, each with its file for drag and drop, checks their bounds
+# of time and stack, and runs them on the simulated Pico 2 of the folder verify/pico.
 #
 #   scripts/pico.sh          all of it
 #   scripts/pico.sh image    the images alone; their folder is the last line
@@ -17,9 +17,10 @@ target=thumbv8m.main-none-eabihf
 images=$built/firmware/$target/firmware
 for image in rp2350_stepper rp2350_servo; do
     scripts/uf2.py "$images/$image" "$images/$image.uf2"
-    cargo run --quiet --package fivebar-bounds -- fits "$images" "$image"
 done
+cargo run --quiet --package fivebar-bounds -- check "$images" rp2350
 if [ "${1:-}" != image ]; then
+    cargo test --quiet --package fivebar-bounds --features pico --test pico
     manifest=(--manifest-path verify/pico/Cargo.toml)
     cargo fmt "${manifest[@]}" --check
     cargo clippy "${manifest[@]}" --all-targets --quiet -- -D warnings

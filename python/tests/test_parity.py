@@ -39,6 +39,7 @@ ELSEWHERE = {
     "completions": "of the shell",
     "doctor": "of this computer",
     "drive": "of a controller",
+    "flash": "of a board",
     "help": "help()",
     "hil": "of a board",
     "man": "help()",

@@ -4,6 +4,7 @@ pub mod bridge;
 pub mod cli;
 mod commission;
 pub mod doctor;
+pub mod flash;
 mod job_process;
 pub mod pen_heights;
 #[cfg(feature = "ros")]

@@ -167,7 +167,7 @@ impl Program<'_> {
             };
             let mut longest = [0; MEASURES];
             for (longest, measure) in longest.iter_mut().zip(Measure::ALL) {
-                let costs = Costs::new(&section, measure, self.known());
+                let costs = Costs::new(&section, self.image().core, measure, self.known());
                 let mut search = Longest::new(&section, &costs, &bound);
                 let paths = search.paths();
                 for error in search.errors {

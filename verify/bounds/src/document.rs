@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::registers;
 use crate::report::{Row, read};
-use crate::response::{self, BRUSHED, STACK_BUDGET};
+use crate::response::{self, BRUSHED, Driving, RP2350, STACK_BUDGET};
 
 /// What encloses the table in the document.
 const BEGIN: &str = "<!-- printed by fivebar-bounds document -->\n";
@@ -33,7 +33,13 @@ fn figure(text: &str, name: &str) -> Option<u64> {
 /// instructions that the emulator counted, and the accesses to slow registers that the simulated chip counted. None if
 /// a figure is missing.
 #[expect(clippy::too_many_lines, reason = "a list of rows")]
-pub fn table(bounds: &str, chip: &str, instructions: &str, accesses: &str) -> Option<String> {
+pub fn table(
+    bounds: &str,
+    chip: &str,
+    instructions: &str,
+    accesses: &str,
+    pico: &str,
+) -> Option<String> {
     let (_, rows) = read(bounds);
     let row = |name: &str| -> Option<&Row> { rows.iter().find(|row| row.name == name) };
     let [tick, ..] = row("tick: tick::__cortex_m_rt_main")?.longest?;
@@ -124,6 +130,42 @@ pub fn table(bounds: &str, chip: &str, instructions: &str, accesses: &str) -> Op
         let _ = writeln!(
             text,
             "| `{label}` | {first}, {second} | {cycles} | {interrupt} | {response} |"
+        );
+    }
+    text.push_str(&of_pico(pico)?);
+    Some(text)
+}
+
+/// The images of a Pico 2, where all accesses wait.
+fn of_pico(figures: &str) -> Option<String> {
+    let (_, rows) = read(figures);
+    let [stepper, servo] = RP2350.images else {
+        return None;
+    };
+    let mut text = format!(
+        "\n|cycles at 150 MHz, all accesses wait|`{}`|`{}`|limit|\n|---|---|---|---|\n",
+        stepper.label, servo.label
+    );
+    for (what, name) in [
+        ("the tick's interrupt", stepper.tick),
+        ("longest blocking by what runs below", response::BLOCKING),
+        ("response, the sum", response::RESPONSE),
+        ("the serial line's first byte", response::RECEIVER),
+        ("the serial line's interrupt", "UART0_IRQ"),
+        ("the interrupt of USB", "USBCTRL_IRQ"),
+        ("stack [bytes]", response::NESTED),
+    ] {
+        let figure = |image: &Driving| -> Option<String> {
+            let row = rows.iter().find(|row| row.name == image.labelled(name))?;
+            let cycles = row.longest.map(|[.., all_wait]| all_wait);
+            Some(grouped(cycles.or(row.stack.map(u64::from))?))
+        };
+        let limit = stepper.budget(name).map_or("–".to_owned(), grouped);
+        let _ = writeln!(
+            text,
+            "|{what}|{}|{}|{limit}|",
+            figure(stepper)?,
+            figure(servo)?
         );
     }
     Some(text)

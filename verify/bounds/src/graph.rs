@@ -7,7 +7,8 @@
 
 use std::collections::HashMap;
 
-use crate::image::{Function, Image};
+use crate::cores::M33_IN_SRAM;
+use crate::image::{Function, Image, SRAM};
 use crate::instruction::{Flow, Instruction};
 use crate::{Defect, Fault, narrow, wide};
 
@@ -298,6 +299,10 @@ impl Builder<'_> {
         if self.image.function(target).is_none() {
             let address = self.nodes[index].address;
             self.defect(address, Fault::NoFunction(target));
+        }
+        if self.image.core == M33_IN_SRAM && target < SRAM {
+            let address = self.nodes[index].address;
+            self.defect(address, Fault::OutsideSram(target));
         }
         self.nodes[index].calls.push(target);
     }

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use crate::cores::{Core, M4_IN_FLASH, M33_IN_SRAM};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
 /// The machine code of a program, with the names and the places of its functions.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Image {
+    /// The core that runs it: what begins in the SRAM is for an RP2350.
+    pub core: Core,
     /// Contents of the sections of code, by address.
     code: Vec<(u32, Vec<u8>)>,
     /// By address.
@@ -21,6 +24,9 @@ pub struct Image {
     pub compiler: String,
 }
 
+/// Where the SRAM begins.
+pub const SRAM: u32 = 0x2000_0000;
+
 /// A function's place and name.
 #[derive(Clone, Debug)]
 pub struct Function {
@@ -30,6 +36,20 @@ pub struct Function {
     pub end: u32,
     /// Readable name.
     pub name: String,
+}
+
+impl Default for Image {
+    fn default() -> Self {
+        Self {
+            core: M4_IN_FLASH,
+            code: Vec::new(),
+            functions: BTreeMap::new(),
+            data: BTreeMap::new(),
+            vectors: Vec::new(),
+            stack: None,
+            compiler: String::new(),
+        }
+    }
 }
 
 impl Image {
@@ -87,7 +107,12 @@ impl Image {
                 image.code.push((section.address() as u32, data.to_vec()));
             }
             match section.name() {
-                Ok(".vector_table") => image.vectors = vectors(data),
+                Ok(".vector_table") => {
+                    image.vectors = vectors(data);
+                    if section.address() as u32 >= SRAM {
+                        image.core = M33_IN_SRAM;
+                    }
+                }
                 Ok(".comment") => image.compiler = compiler(data),
                 _ => {}
             }

@@ -19,6 +19,7 @@
 //! the true maximum can be smaller, and never larger. `docs/verify/bounds.md` states what this relies on.
 
 pub mod blocking;
+pub mod cores;
 pub mod depth;
 pub mod document;
 mod float;
@@ -73,6 +74,8 @@ pub enum Fault {
     UnknownStack,
     /// The stack pointer rises above its place at the entry.
     StackAboveEntry,
+    /// A function that is not in the SRAM, where all of the image runs.
+    OutsideSram(u32),
     /// Two paths to one instruction have different depths of the stack [bytes].
     StackDiffers(u32, u32),
     /// A critical section has no end that can be known.
@@ -88,7 +91,7 @@ impl Fault {
     pub fn concerns_stack(self) -> bool {
         !matches!(
             self,
-            Self::Sleep | Self::Loop | Self::LoopEntries | Self::SectionEnd
+            Self::Sleep | Self::Loop | Self::LoopEntries | Self::SectionEnd | Self::OutsideSram(_)
         )
     }
 }
@@ -120,6 +123,9 @@ impl fmt::Display for Fault {
                     f,
                     "the stack is {one} or {other} bytes deep, by the path there"
                 )
+            }
+            Self::OutsideSram(address) => {
+                write!(f, "the function at {address:#x} is not in the SRAM")
             }
             Self::SectionEnd => f.write_str("a critical section whose end is not known"),
             Self::Returns => f.write_str("it should never return, and can"),

@@ -1,13 +1,12 @@
 //! Bounds of time and stack of the firmware images.
 //!
 //! ```text
-//! fivebar-bounds check <folder of the images>              compares with verify/bounds/figures.txt
-//! fivebar-bounds print <folder of the images>              prints the figures to commit
+//! fivebar-bounds check <folder of the images> [rp2350]     compares with verify/bounds/figures.txt, or figures_rp2350.txt
+//! fivebar-bounds print <folder of the images> [rp2350]     prints the figures to commit
 //! fivebar-bounds document                              the table of docs/verify/bounds.md, from the committed figures
 //! fivebar-bounds path  <folder of the images> <image> <function>   the longest path's addresses
 //! fivebar-bounds stack <folder of the images> <image> <function>   its deepest chain of calls
 //! fivebar-bounds sections <folder of the images> <image> <function>   its critical sections
-//! fivebar-bounds fits  <folder of the images> <image>   the stack alone, of an image for the RP2350
 //! ```
 
 use std::path::Path;
@@ -18,33 +17,50 @@ use fivebar_bounds::document;
 use fivebar_bounds::image::Image;
 use fivebar_bounds::program::Program;
 use fivebar_bounds::report::{self, Report};
-use fivebar_bounds::response;
+use fivebar_bounds::response::{self, Family, RP2350, STM32F405};
 use fivebar_bounds::stated::Stated;
 use fivebar_bounds::timing::Measure;
 
+/// Images that are checked together, with what is known of them.
+struct Checked {
+    family: Family,
+    /// What people state of all images, and of these alone.
+    stated: [&'static str; 2],
+    /// The figures as last committed, and their file.
+    committed: &'static str,
+    file: &'static str,
+}
+
 /// What people state.
 const STATED: &str = include_str!("../stated.txt");
-/// The same of the RP2350's images.
-const STATED_RP2350: &str = include_str!("../stated_rp2350.txt");
-/// What the functions of the boot ROM may take of the stack [bytes]: its maker does not say it.
-const ROM: u32 = 2048;
-/// The figures as last committed.
-const COMMITTED: &str = include_str!("../figures.txt");
+
+const FIRST: Checked = Checked {
+    family: STM32F405,
+    stated: [STATED, include_str!("../stated_stm32f405.txt")],
+    committed: include_str!("../figures.txt"),
+    file: "figures.txt",
+};
+const PICO: Checked = Checked {
+    family: RP2350,
+    stated: [STATED, include_str!("../stated_rp2350.txt")],
+    committed: include_str!("../figures_rp2350.txt"),
+    file: "figures_rp2350.txt",
+};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments[..] {
-        ["check", folder] => check(Path::new(folder)),
+        ["check", folder] => FIRST.check(Path::new(folder)),
+        ["check", folder, "rp2350"] => PICO.check(Path::new(folder)),
         ["document"] => document(),
-        ["print", folder] => print(Path::new(folder)),
+        ["print", folder] => FIRST.print(Path::new(folder)),
+        ["print", folder, "rp2350"] => PICO.print(Path::new(folder)),
         ["path", folder, image, function] => path(&Path::new(folder).join(image), function),
         ["stack", folder, image, function] => stack(&Path::new(folder).join(image), function),
         ["sections", folder, image, function] => sections(&Path::new(folder).join(image), function),
-        ["fits", folder, image] => fits(&Path::new(folder).join(image), image),
         _ => Err(
-            "usage: fivebar-bounds check|print <folder>, document, path|stack|sections <folder> <image> <function>, \
-             fits <folder> <image>"
+            "usage: fivebar-bounds check|print <folder> [rp2350], document, path|stack|sections <folder> <image> <function>"
                 .to_owned(),
         ),
     };
@@ -66,8 +82,14 @@ fn document() -> Result<String, String> {
         include_str!("../../../tests/data/instructions.txt"),
         include_str!("../../chip/accesses.txt"),
     );
-    document::table(COMMITTED, chip, instructions, accesses)
-        .ok_or_else(|| "a figure is missing".to_owned())
+    document::table(
+        FIRST.committed,
+        chip,
+        instructions,
+        accesses,
+        PICO.committed,
+    )
+    .ok_or_else(|| "a figure is missing".to_owned())
 }
 
 fn image(path: &Path) -> Result<Image, String> {
@@ -76,62 +98,76 @@ fn image(path: &Path) -> Result<Image, String> {
     Image::read(&file).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// The bounds of all images, as a table; an error if something has no bound.
-fn print(folder: &Path) -> Result<String, String> {
-    let stated = Stated::read(STATED)?;
-    let tick = image(&folder.join("tick"))?;
-    let Report {
-        mut rows,
-        mut defects,
-    } = report::of_function("tick", &tick, &stated, "tick::__cortex_m_rt_main")?;
-    for name in ["stm32f405", "stm32f405_stepper", "stm32f405_can", "qemu"] {
-        let image = image(&folder.join(name))?;
-        let mut report = report::of_handlers(name, &image, &stated)?;
-        if let Some(driving) = response::IMAGES.iter().find(|it| it.label == name) {
-            response::add(driving, &image, &stated, &mut report)?;
+impl Checked {
+    fn stated(&self) -> Result<Stated, String> {
+        Stated::read(&self.stated.concat())
+    }
+
+    /// The bounds of all images, as a table; an error if something has no bound.
+    fn print(&self, folder: &Path) -> Result<String, String> {
+        let stated = self.stated()?;
+        let mut all = Report::default();
+        let mut compiler = String::new();
+        let driving = self.family.images.iter().map(|it| (it.label, Some(it)));
+        let others = self.family.others.iter().map(|&label| (label, None));
+        for (label, driving) in others.chain(driving) {
+            let image = image(&folder.join(label))?;
+            let mut report = match label {
+                "tick" => report::of_function(label, &image, &stated, "tick::__cortex_m_rt_main")?,
+                _ => report::of_handlers(label, &image, &stated)?,
+            };
+            if let Some(driving) = driving {
+                response::add(driving, &image, &stated, &mut report)?;
+            }
+            all.rows.extend(report.rows);
+            all.defects.extend(report.defects);
+            compiler = image.compiler;
         }
-        rows.extend(report.rows);
-        defects.extend(report.defects);
+        let table = report::table(&compiler, &all.rows);
+        let defects = all.defects.iter().map(ToString::to_string);
+        let unused = stated
+            .unused()
+            .map(|it| format!("there is no loop for: {it}"));
+        let defects: Vec<String> = defects
+            .chain(unused)
+            .map(|it| format!("\n  {it}"))
+            .collect();
+        if defects.is_empty() {
+            return Ok(table);
+        }
+        Err(format!(
+            "{table}no bound, see verify/bounds/stated*.txt:{}",
+            defects.concat()
+        ))
     }
-    let table = report::table(&tick.compiler, &rows);
-    let defects = defects.iter().map(ToString::to_string);
-    let unused = stated
-        .unused()
-        .map(|it| format!("there is no loop for: {it}"));
-    let defects: Vec<String> = defects
-        .chain(unused)
-        .map(|it| format!("\n  {it}"))
-        .collect();
-    if defects.is_empty() {
-        return Ok(table);
+
+    fn check(&self, folder: &Path) -> Result<String, String> {
+        let now = self.print(folder)?;
+        let (_, rows) = report::read(&now);
+        let over = self.family.over_budget(&rows);
+        if !over.is_empty() {
+            return Err(format!("{now}{}", over.join("\n")));
+        }
+        let differences = report::compare(self.committed, &now);
+        if differences.is_empty() {
+            return Ok(now);
+        }
+        Err(format!(
+            "{now}{}\nif that is right, commit the figures: print in place of check, into verify/bounds/{}",
+            differences.join("\n"),
+            self.file
+        ))
     }
-    Err(format!(
-        "{table}no bound, see bounds/stated.txt:{}",
-        defects.concat()
-    ))
 }
 
-fn check(folder: &Path) -> Result<String, String> {
-    let now = print(folder)?;
-    let (_, rows) = report::read(&now);
-    let over = response::over_budget(&rows);
-    if !over.is_empty() {
-        return Err(format!("{now}{}", over.join("\n")));
-    }
-    let differences = report::compare(COMMITTED, &now);
-    if differences.is_empty() {
-        return Ok(now);
-    }
-    Err(format!(
-        "{now}{}\nif that is right, commit the figures: \
-         cargo run --package fivebar-bounds -- print <folder> > verify/bounds/figures.txt",
-        differences.join("\n")
-    ))
+/// What people state of any image.
+fn stated_of_all() -> Result<Stated, String> {
+    Stated::read(&[FIRST.stated, PICO.stated].concat().concat())
 }
 
 /// The addresses of a function's longest path in cycles where the code waits, in the order of the path.
 fn path(file: &Path, function: &str) -> Result<String, String> {
-    let (stated, image) = (Stated::read(STATED)?, image(file)?);
+    let (stated, image) = (stated_of_all()?, image(file)?);
     let found = image
         .named(function)
         .ok_or_else(|| format!("no function {function}"))?;
@@ -141,33 +177,9 @@ fn path(file: &Path, function: &str) -> Result<String, String> {
     Ok(path.iter().map(line).collect())
 }
 
-/// The deepest stack of an image and its space; an error if that is too small, or not known to suffice. Its times are not judged:
-/// the core that runs it may count other cycles.
-fn fits(file: &Path, name: &str) -> Result<String, String> {
-    let stated = Stated::read(&[STATED, STATED_RP2350].concat())?;
-    let image = image(file)?;
-    let report = report::of_handlers(name, &image, &stated)?;
-    let stack_of = |what: &str| {
-        let row = report.rows.iter().find(|row| row.name.ends_with(what));
-        row.and_then(|row| row.stack).unwrap_or(u32::MAX)
-    };
-    let (used, space) = (stack_of(": all nested"), stack_of(": space"));
-    let line =
-        format!("{name}: {used} bytes of stack at most, and {ROM} for the ROM, of {space}\n");
-    let defects = report.defects.iter();
-    let defects: Vec<String> = defects
-        .filter(|defect| defect.fault.concerns_stack())
-        .map(|defect| format!("{defect}\n"))
-        .collect();
-    if defects.is_empty() && used + ROM <= space {
-        return Ok(line);
-    }
-    Err(format!("{line}{}", defects.concat()))
-}
-
 /// The chain of calls below a function that takes the most stack, with the share of each.
 fn stack(file: &Path, function: &str) -> Result<String, String> {
-    let (stated, image) = (Stated::read(STATED)?, image(file)?);
+    let (stated, image) = (stated_of_all()?, image(file)?);
     let found = image
         .named(function)
         .ok_or_else(|| format!("no function {function}"))?;
@@ -178,7 +190,7 @@ fn stack(file: &Path, function: &str) -> Result<String, String> {
 
 /// The critical sections that a function reaches, with instructions and cycles, the longest last.
 fn sections(file: &Path, function: &str) -> Result<String, String> {
-    let (stated, image) = (Stated::read(STATED)?, image(file)?);
+    let (stated, image) = (stated_of_all()?, image(file)?);
     let found = image
         .named(function)
         .ok_or_else(|| format!("no function {function}"))?;

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::cores::Core;
 use crate::depth::depths;
 use crate::graph::{Callees, Edge, Graph};
 use crate::image::Image;
@@ -40,6 +41,7 @@ pub struct Program<'a> {
 /// The cost of a function's instructions.
 pub(crate) struct Costs<'a> {
     graph: &'a Graph,
+    core: Core,
     measure: Measure,
     known: &'a BTreeMap<u32, Bounds>,
 }
@@ -47,11 +49,13 @@ pub(crate) struct Costs<'a> {
 impl<'a> Costs<'a> {
     pub(crate) fn new(
         graph: &'a Graph,
+        core: Core,
         measure: Measure,
         known: &'a BTreeMap<u32, Bounds>,
     ) -> Self {
         Self {
             graph,
+            core,
             measure,
             known,
         }
@@ -79,11 +83,11 @@ impl Cost for Costs<'_> {
         let it = &self.graph.nodes[node];
         // The last call of a function is counted where it leaves.
         let called = if it.leaves { 0 } else { self.called(node) };
-        self.measure.node(it) + called
+        self.measure.node(self.core, it) + called
     }
 
     fn edge(&self, edge: Edge) -> u64 {
-        self.measure.edge(edge)
+        self.measure.edge(self.core, edge)
     }
 }
 
@@ -131,7 +135,7 @@ impl<'a> Program<'a> {
             return Vec::new();
         };
         let (graph, _) = self.graph(&function);
-        let costs = Costs::new(&graph, measure, &self.known);
+        let costs = Costs::new(&graph, self.image.core, measure, &self.known);
         let once = |_| Some(Bound::EachEntry(1));
         let paths = Longest::new(&graph, &costs, &once).paths();
         let with_last = |node: usize| {
@@ -265,7 +269,7 @@ impl<'a> Program<'a> {
         let number = |address: u32| headers.iter().position(|it| *it == address).unwrap_or(0) + 1;
         let bound = |address| self.stated.bound(&function.name, number(address));
         for (index, measure) in Measure::ALL.into_iter().enumerate() {
-            let costs = Costs::new(&graph, measure, &self.known);
+            let costs = Costs::new(&graph, self.image.core, measure, &self.known);
             let mut search = Longest::new(&graph, &costs, &bound);
             let paths = search.paths();
             for error in search.errors {
@@ -283,6 +287,11 @@ impl<'a> Program<'a> {
                 path.map(|path| path + left)
             });
             bounds.longest[index] = ends.max().unwrap_or(0);
+        }
+        // What ends the program takes the time that is left, and none from what calls it.
+        if self.stated.ends(&function.name) {
+            defects.retain(|defect| defect.fault.concerns_stack());
+            bounds.longest = [0; MEASURES];
         }
         defects.sort();
         defects.dedup();

@@ -6,7 +6,7 @@
 //! to the bounds of the tick's interrupt and of the response.
 
 use crate::report::Row;
-use crate::response::{Driving, IMAGES, RESPONSE};
+use crate::response::{Driving, RESPONSE, STM32F405};
 
 /// Cycles of the core in a clock of APB1 and of APB2, at 42 and 84 MHz.
 const RATIOS: [u64; 2] = [4, 2];
@@ -58,5 +58,5 @@ pub fn counted(text: &str) -> Option<Vec<Waits>> {
         let accesses = [first.parse().ok()?, second.parse().ok()?];
         Some(Waits { driving, accesses })
     };
-    IMAGES.iter().map(of).collect()
+    STM32F405.images.iter().map(of).collect()
 }

@@ -108,7 +108,7 @@ pub fn of_handlers(label: &str, image: &Image, stated: &Stated) -> Result<Report
         if !is_main {
             stack += FRAME;
             for (longest, measure) in longest.iter_mut().zip(Measure::ALL) {
-                *longest += measure.exception(float);
+                *longest += measure.exception(image.core, float);
             }
         }
         total += stack;

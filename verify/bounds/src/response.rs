@@ -8,7 +8,7 @@ use crate::image::Image;
 use crate::program::Program;
 use crate::report::{Report, Row};
 use crate::stated::Stated;
-use crate::timing::MEASURES;
+use crate::timing::{MEASURES, Measure};
 
 /// An image with a tick of its own.
 pub struct Driving {
@@ -18,13 +18,43 @@ pub struct Driving {
     pub tick: &'static str,
     /// What interrupts it: the break inputs, and a failure of the clock.
     above: &'static [&'static str],
+    /// The interrupts that it interrupts, the one of the serial line first. They may mask it for a while, as may the idle task.
+    below: &'static [&'static str],
     /// Cycles from the update to the interrupt.
     conversion: u64,
-    /// Cycles that code below the tick may mask it where the code waits for the flash and RAM does not.
+    /// Where the limits hold: where the code waits for the flash and RAM does not, or, without a count of the registers that wait, where
+    /// all accesses wait.
+    judged: Measure,
+    /// Cycles that code below the tick may mask it there.
     blocking: u64,
     /// Cycles that the interrupt, pre-emption, and the whole response may take there.
     budgets: [u64; 3],
+    /// Cycles from the interrupt of the serial line until a byte is lost, where the chip holds the bytes.
+    receiver: Option<u64>,
+    /// What the stack may take, every interrupt within another one and the functions of a ROM besides [bytes]. Their maker does not say
+    /// what they take.
+    stack: u32,
+    rom: u32,
 }
+
+/// Images that are built and checked together.
+pub struct Family {
+    /// Those with a tick of their own.
+    pub images: &'static [Driving],
+    /// Those besides.
+    pub others: &'static [&'static str],
+}
+
+/// Of the STM32F405 and of the emulated board.
+pub const STM32F405: Family = Family {
+    images: &[BRUSHED, STEPPER, CAN],
+    others: &["tick", "qemu"],
+};
+/// Of the RP2350.
+pub const RP2350: Family = Family {
+    images: &[PICO_STEPPER, PICO_SERVO],
+    others: &[],
+};
 
 /// The image for brushed motors. `SysTick` is not above its tick: it raises the tick where there is no crystal, and then
 /// the converter does not.
@@ -32,9 +62,14 @@ pub const BRUSHED: Driving = Driving {
     label: "stm32f405",
     tick: "ADC",
     above: &["TIM1_BRK_TIM9", "NonMaskableInt"],
+    below: &["USART1"],
+    judged: Measure::CyclesCodeWaits,
     conversion: CONVERSION,
     blocking: 840,
     budgets: [TICK_BUDGET, BEFORE_BUDGET, PERIOD],
+    receiver: None,
+    stack: STACK_BUDGET,
+    rom: 0,
 };
 /// The image for steppers: the update itself raises the interrupt. A status of drives that measure nothing is cleared by a
 /// call, which takes longer than to copy what brushed ones measure.
@@ -42,9 +77,14 @@ pub const STEPPER: Driving = Driving {
     label: "stm32f405_stepper",
     tick: "TIM4",
     above: &["TIM1_BRK_TIM9", "TIM8_BRK_TIM12", "NonMaskableInt"],
+    below: &["USART1"],
+    judged: Measure::CyclesCodeWaits,
     conversion: 0,
     blocking: 1_008,
     budgets: [TICK_BUDGET, BEFORE_BUDGET, PERIOD],
+    receiver: None,
+    stack: STACK_BUDGET,
+    rom: 0,
 };
 /// The image for drives on a CAN bus. The interrupt of a free mailbox has the tick's priority, so it comes before the tick, and
 /// once: the next frame ends later than it. Its period is ten times as long; 0.2 ms of it are left for the response, so that the
@@ -53,18 +93,43 @@ pub const CAN: Driving = Driving {
     label: "stm32f405_can",
     tick: "TIM5",
     above: &["CAN1_TX", "NonMaskableInt"],
+    below: &["USART1"],
+    judged: Measure::CyclesCodeWaits,
     conversion: 0,
     blocking: 840,
     budgets: [2 * TICK_BUDGET, 1_008, 2 * PERIOD],
+    receiver: None,
+    stack: STACK_BUDGET,
+    rom: 0,
 };
-/// The images.
-pub const IMAGES: [Driving; 3] = [BRUSHED, STEPPER, CAN];
+/// The image of a Pico 2 for steppers. Nothing interrupts its tick: the emergency stop's pin has a state machine of its own, which no
+/// program delays. Half of the chip's buffer of 32 bytes are 16 of 10 µs.
+pub const PICO_STEPPER: Driving = Driving {
+    label: "rp2350_stepper",
+    tick: "SysTick",
+    above: &[],
+    below: &["UART0_IRQ"],
+    judged: Measure::CyclesWaiting,
+    conversion: 0,
+    blocking: 1_800,
+    budgets: [12_600, 0, PICO_PERIOD],
+    receiver: Some(16 * PICO_PERIOD / 10),
+    stack: 24 * 1024,
+    rom: 2048,
+};
+/// The image of a Pico 2 for hobby servos.
+pub const PICO_SERVO: Driving = Driving {
+    label: "rp2350_servo",
+    ..PICO_STEPPER
+};
 /// Cycles from the trigger to the interrupt: 70 of the converter's clock, which is an eighth of the core's
 /// (3 to begin, 40 for a current and 27 for the bus voltage, `firmware/src/board/stm32f405/brushed/analog.rs`).
 const CONVERSION: u64 = 8 * (3 + 28 + 12 + 15 + 12);
 
 /// Cycles of a period: 168 MHz over 10 kHz.
 pub const PERIOD: u64 = 16_800;
+/// Cycles of a period of the RP2350: 150 MHz over 10 kHz.
+const PICO_PERIOD: u64 = 15_000;
 /// Cycles that the interrupt may take where the code waits for the flash and RAM does not.
 const TICK_BUDGET: u64 = 10_080;
 /// Cycles that pre-emption may take there.
@@ -77,6 +142,13 @@ pub const BEFORE: &str = "conversion and pre-emption";
 /// The row of the sum.
 pub const RESPONSE: &str = "response";
 
+/// The row of the time from the interrupt of the serial line until it reads the first byte: what masks it, and the ticks that
+/// begin meanwhile.
+pub const RECEIVER: &str = "receiver's first byte";
+
+/// The row of the whole stack.
+pub const NESTED: &str = "all nested";
+
 /// Adds the rows of the response to those of the handlers.
 ///
 /// # Errors
@@ -87,12 +159,11 @@ pub fn add(
     stated: &Stated,
     report: &mut Report,
 ) -> Result<(), String> {
-    // What runs below the tick while it does: the idle task, and the interrupt of the serial line. The start is before the
-    // first tick.
+    // What runs below the tick while it does: the idle task, and interrupts of lower priority. The start is before the first tick.
     let main = format!("{}::app::converse", driving.label);
     let mut program = Program::new(image, stated);
     let mut blocking = [0; MEASURES];
-    for name in [main.as_str(), "USART1"] {
+    for name in [&[main.as_str()], driving.below].concat() {
         let function = image.named(name).ok_or_else(|| format!("no {name}"))?;
         let (sections, defects) = program.sections(function.address);
         for section in sections {
@@ -115,8 +186,19 @@ pub fn add(
     for name in driving.above {
         before = sum(before, of(name)?);
     }
-    let response = sum(sum(before, blocking), of(driving.tick)?);
-    for (name, longest) in [(BLOCKING, blocking), (BEFORE, before), (RESPONSE, response)] {
+    let tick = of(driving.tick)?;
+    let response = sum(sum(before, blocking), tick);
+    let mut parts = vec![(BLOCKING, blocking), (BEFORE, before), (RESPONSE, response)];
+    if driving.receiver.is_some() {
+        let [_, _, period] = driving.budgets;
+        let mut first = [0; MEASURES];
+        for (index, measure) in Measure::ALL.into_iter().enumerate() {
+            let alone = blocking[index] + measure.exception(image.core, false);
+            first[index] = with_ticks(alone, tick[index], period);
+        }
+        parts.push((RECEIVER, first));
+    }
+    for (name, longest) in parts {
         report.rows.push(Row {
             name: driving.labelled(name),
             longest: Some(longest),
@@ -134,13 +216,15 @@ impl Driving {
         format!("{}: {name}", self.label)
     }
 
-    /// The budget of a row [cycles where the code waits].
+    /// The budget of a row [cycles].
     pub fn budget(&self, name: &str) -> Option<u64> {
         let [tick, before, response] = self.budgets;
         match name {
             BLOCKING => Some(self.blocking),
             BEFORE => Some(before),
             RESPONSE => Some(response),
+            RECEIVER => self.receiver,
+            NESTED => Some(u64::from(self.stack - self.rom)),
             _ => (name == self.tick).then_some(tick),
         }
     }
@@ -150,23 +234,40 @@ impl Driving {
         let over = |part: &str| {
             let (name, budget) = (self.labelled(part), self.budget(part)?);
             let row = rows.iter().find(|row| row.name == name)?;
-            let [_, _, code_waits, _] = row.longest?;
-            (code_waits > budget).then(|| {
-                format!("{name}: {code_waits} cycles where the code waits, of at most {budget}")
-            })
+            let index = Measure::ALL.iter().position(|it| *it == self.judged)?;
+            let cycles = *row.longest?.get(index)?;
+            let what = match self.judged {
+                Measure::CyclesWaiting => "all accesses wait",
+                _ => "the code waits",
+            };
+            (cycles > budget)
+                .then(|| format!("{name}: {cycles} cycles where {what}, of at most {budget}"))
         };
-        let name = self.labelled("all nested");
+        let name = self.labelled(NESTED);
         let stack = rows.iter().find(|row| row.name == name);
         let stack = stack
-            .and_then(|row| row.stack)
-            .filter(|stack| *stack > STACK_BUDGET);
+            .and_then(|row| Some(row.stack? + self.rom))
+            .filter(|stack| *stack > self.stack);
         let stack =
-            stack.map(|stack| format!("{name}: {stack} bytes of stack, of at most {STACK_BUDGET}"));
-        [self.tick, BLOCKING, BEFORE, RESPONSE]
+            stack.map(|stack| format!("{name}: {stack} bytes of stack, of at most {}", self.stack));
+        [self.tick, BLOCKING, BEFORE, RESPONSE, RECEIVER]
             .into_iter()
             .filter_map(over)
             .chain(stack)
             .collect()
+    }
+}
+
+/// The end of something that takes `alone` if no tick comes: it and the ticks that begin before. Where ticks take all of the time, it
+/// never ends.
+fn with_ticks(alone: u64, tick: u64, period: u64) -> u64 {
+    let mut end = alone;
+    loop {
+        let next = alone + end.div_ceil(period) * tick;
+        if next == end || tick >= period {
+            return next;
+        }
+        end = next;
     }
 }
 
@@ -180,10 +281,10 @@ fn sum(mut one: [u64; MEASURES], other: [u64; MEASURES]) -> [u64; MEASURES] {
 /// The most that the stack may take, every interrupt within another one [bytes].
 pub const STACK_BUDGET: u32 = 12 * 1024;
 
-/// The rows of the images whose figures are above their budgets.
-pub fn over_budget(rows: &[Row]) -> Vec<String> {
-    IMAGES
-        .iter()
-        .flat_map(|image| image.over_budget(rows))
-        .collect()
+impl Family {
+    /// The rows of its images whose figures are above their budgets.
+    pub fn over_budget(&self, rows: &[Row]) -> Vec<String> {
+        let over = |image: &Driving| image.over_budget(rows);
+        self.images.iter().flat_map(over).collect()
+    }
 }

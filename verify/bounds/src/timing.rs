@@ -1,4 +1,4 @@
-//! What instructions cost: one each, or cycles of the Cortex-M4.
+//! What instructions cost: one each, or cycles of the Cortex-M4; [`cores`](crate::cores) has what else a core waits for.
 //!
 //! The cycles are those of the core's timing table (Cortex-M4 Technical Reference Manual, 3.3 and
 //! table 7-1), each at its largest: a division takes 12, a taken branch refills the pipeline in 3.
@@ -8,6 +8,7 @@
 //! not wait for the flash; and one where every access to data waits as well. Registers behind a bridge to a
 //! slower bus wait, too: [`registers`](crate::registers) adds them.
 
+use crate::cores::Core;
 use crate::graph::{Edge, Node};
 
 /// What is counted.
@@ -23,18 +24,6 @@ pub enum Measure {
     CyclesWaiting,
 }
 
-/// Cycles to refill the pipeline after a branch is taken, at most.
-const REFILL: u64 = 3;
-/// Wait states of the flash.
-const WAIT: u64 = 5;
-/// A line of the flash [bytes].
-const LINE: u32 = 16;
-/// A branch that is taken waits for a line, after another one that was fetched ahead for nothing.
-const JUMP: u64 = 2 * WAIT;
-/// An access to data waits for a line of instructions on its way, and for its own. Accesses to
-/// peripherals over a bridge to a slower bus wait as long.
-const ACCESS: u64 = 2 * WAIT;
-
 /// The number of measures.
 pub const MEASURES: usize = 4;
 
@@ -47,34 +36,35 @@ impl Measure {
         Self::CyclesWaiting,
     ];
 
-    /// The cost of an instruction, without those that it calls.
-    pub fn node(self, node: &Node) -> u64 {
+    /// The cost of an instruction on a core, without those that it calls.
+    pub fn node(self, core: Core, node: &Node) -> u64 {
         let instruction = &node.instruction;
         // A call and a return are branches, which have no edge in the function's own graph.
         let branches = u64::from(node.leaves) + 2 * u64::from(!node.calls.is_empty());
-        let cycles = u64::from(instruction.cycles) + branches * REFILL;
+        let cycles = u64::from(instruction.cycles) + branches * core.refill;
+        let last = node.address + instruction.length - 1;
+        let begins_line = node.address.is_multiple_of(core.line);
+        let lines = last / core.line - node.address / core.line + u32::from(begins_line);
+        let code = branches * core.jump + u64::from(lines) * core.wait;
+        let (accesses, literals) = (
+            u64::from(instruction.accesses),
+            u64::from(instruction.literals),
+        );
         match self {
             Self::Instructions => 1,
             Self::CyclesWithoutWaiting => cycles,
-            Self::CyclesCodeWaits | Self::CyclesWaiting => {
-                let last = node.address + instruction.length - 1;
-                let begins_line = node.address.is_multiple_of(LINE);
-                let lines = last / LINE - node.address / LINE + u32::from(begins_line);
-                let waiting = if self == Self::CyclesWaiting {
-                    instruction.accesses
-                } else {
-                    instruction.literals
-                };
-                cycles + branches * JUMP + u64::from(waiting) * ACCESS + u64::from(lines) * WAIT
+            Self::CyclesCodeWaits => {
+                cycles + code + literals * core.literal + (accesses - literals) * core.access
             }
+            Self::CyclesWaiting => cycles + code + accesses * core.register,
         }
     }
 
     /// The cost of an edge between two instructions.
-    pub fn edge(self, edge: Edge) -> u64 {
+    pub fn edge(self, core: Core, edge: Edge) -> u64 {
         match self {
-            Self::CyclesWithoutWaiting if edge.taken => REFILL,
-            Self::CyclesCodeWaits | Self::CyclesWaiting if edge.taken => REFILL + JUMP,
+            Self::CyclesWithoutWaiting if edge.taken => core.refill,
+            Self::CyclesCodeWaits | Self::CyclesWaiting if edge.taken => core.refill + core.jump,
             _ => 0,
         }
     }
@@ -82,13 +72,15 @@ impl Measure {
     /// Entry into an exception and return from it. The FPU's registers are saved at the handler's first
     /// instruction of the FPU (lazy stacking, which the core has on after a reset), and restored at its
     /// return if there was one.
-    pub fn exception(self, float: bool) -> u64 {
+    pub fn exception(self, core: Core, float: bool) -> u64 {
         let frame = if float { FRAME + FLOAT_FRAME } else { FRAME };
         match self {
             Self::Instructions => 0,
             Self::CyclesWithoutWaiting => 2 * frame,
-            // The handler's address is read from the flash; the first line and that returned to.
-            Self::CyclesCodeWaits | Self::CyclesWaiting => 2 * frame + ACCESS + 2 * JUMP,
+            // The handler's address is read where the code is; the first line and that returned to.
+            Self::CyclesCodeWaits | Self::CyclesWaiting => {
+                2 * frame * (1 + core.access) + core.literal + 2 * core.jump
+            }
         }
     }
 }

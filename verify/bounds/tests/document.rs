@@ -10,6 +10,7 @@ fn the_document_has_the_table_that_is_printed() {
         include_str!("../../chip/figures.txt"),
         include_str!("../../../tests/data/instructions.txt"),
         include_str!("../../chip/accesses.txt"),
+        include_str!("../figures_rp2350.txt"),
     );
     assert_eq!(
         table_in(include_str!("../../../docs/verify/bounds.md")),

@@ -1,157 +1,63 @@
 //! The linked images: mistakes put into their code are found, and no run took longer than what is
 //! proved.
 
-use std::path::Path;
+mod seeds;
 
-use fivebar_bounds::image::Image;
-use fivebar_bounds::instruction::{Flow, Mask, Stack};
-use fivebar_bounds::program::Program;
+use fivebar_bounds::Fault;
 use fivebar_bounds::report::{self, Row};
 use fivebar_bounds::response;
-use fivebar_bounds::stated::Stated;
-use fivebar_bounds::timing::Measure;
-use fivebar_bounds::{Fault, narrow, wide};
+use seeds::Images;
 
-const STATED: &str = include_str!("../stated.txt");
 const FIGURES: &str = include_str!("../figures.txt");
 
-fn image(name: &str) -> Image {
-    let built = option_env!("CARGO_TARGET_DIR")
-        .unwrap_or(concat!(env!("CARGO_MANIFEST_DIR"), "/../../target"));
-    let path = Path::new(built)
-        .join("firmware/thumbv7em-none-eabihf/firmware")
-        .join(name);
-    let file = std::fs::read(&path)
-        .unwrap_or_else(|error| panic!("{}: {error}; run scripts/firmware.sh", path.display()));
-    Image::read(&file).expect("an image")
-}
-
-fn faults(image: &Image, function: &str) -> Vec<Fault> {
-    let stated = Stated::read(STATED).expect("statements");
-    let address = image.named(function).expect("the function").address;
-    let defects = Program::new(image, &stated).defects(address);
-    defects.into_iter().map(|defect| defect.fault).collect()
-}
-
-/// Some instructions of 16 bits on the longest path of a function that do nothing of interest. None of them is the header
-/// of a loop: what is said of that loop covers every jump to its header, so also a seeded one.
-fn places(image: &Image, function: &str) -> Vec<u32> {
-    let stated = Stated::read(STATED).expect("statements");
-    let address = image.named(function).expect("the function").address;
-    let mut program = Program::new(image, &stated);
-    let path = program.longest_path(address, Measure::Instructions);
-    assert!(path.len() > 100, "{function}: {} instructions", path.len());
-    let headers = program.loop_headers(address);
-    let is_plain = |place: u32| {
-        let half = image.half(place).expect("code");
-        let instruction = narrow::decode(place, half);
-        half >> 11 < 0b11101 && instruction.flow == Flow::Next && instruction.stack == Stack::Keep
-    };
-    let plain = path
-        .iter()
-        .map(|(place, _)| *place)
-        .filter(|place| is_plain(*place) && !headers.contains(place));
-    let places: Vec<u32> = plain.step_by(8).collect();
-    assert!(places.len() >= 5, "{function}: {places:x?}");
-    places
-}
-
-/// The functions that hold the tick: of the image that has nothing else, and of the arm's.
-const TICKS: [(&str, &str); 4] = [
-    (
-        "tick",
-        "fivebar_firmware::controller::tick::<impl fivebar_firmware::controller::ArmController<D>>::tick",
+const IMAGES: Images = Images {
+    target: "thumbv7em-none-eabihf",
+    script: "scripts/firmware.sh",
+    stated: concat!(
+        include_str!("../stated.txt"),
+        include_str!("../stated_stm32f405.txt")
     ),
-    ("stm32f405", "ADC"),
-    ("stm32f405_stepper", "TIM4"),
-    ("stm32f405_can", "TIM5"),
-];
-
-#[track_caller]
-fn every_seed_is_found(code: u16, fault: Fault) {
-    for (name, function) in TICKS {
-        let image = image(name);
-        assert_eq!(faults(&image, function), [], "{name}");
-        for place in places(&image, function) {
-            let seeded = image.clone().patched(place, &[code]);
-            let found = faults(&seeded, function);
-            assert!(found.contains(&fault), "{name}, {place:#x}: {found:?}");
-        }
-    }
-}
+    ticks: &[
+        (
+            "tick",
+            "fivebar_firmware::controller::tick::<impl fivebar_firmware::controller::ArmController<D>>::tick",
+        ),
+        ("stm32f405", "ADC"),
+        ("stm32f405_stepper", "TIM4"),
+        ("stm32f405_can", "TIM5"),
+    ],
+};
 
 #[test]
 fn a_loop_in_the_tick_is_found() {
-    every_seed_is_found(0xd1fe, Fault::Loop); // 1: bne 1b
+    IMAGES.every_seed_is_found(0xd1fe, Fault::Loop); // 1: bne 1b
 }
 
 #[test]
 fn an_indirect_call_in_the_tick_is_found() {
-    every_seed_is_found(0x4798, Fault::IndirectCall); // blx r3
+    IMAGES.every_seed_is_found(0x4798, Fault::IndirectCall); // blx r3
 }
 
 #[test]
 fn a_computed_jump_in_the_tick_is_found() {
-    every_seed_is_found(0x4718, Fault::ComputedJump); // bx r3
+    IMAGES.every_seed_is_found(0x4718, Fault::ComputedJump); // bx r3
 }
 
 #[test]
 fn a_stack_of_unknown_size_in_the_tick_is_found() {
-    every_seed_is_found(0x4685, Fault::UnknownStack); // mov sp, r0
-}
-
-/// The longest critical section of the main program [cycles where the code waits], and the faults.
-fn blocking(image: &Image) -> (u64, Vec<Fault>) {
-    let stated = Stated::read(STATED).expect("statements");
-    let main = image.named(MAIN).expect("the main program").address;
-    let (sections, defects) = Program::new(image, &stated).sections(main);
-    let longest = sections.iter().map(|section| section.longest[2]).max();
-    let faults = defects.into_iter().map(|defect| defect.fault);
-    (longest.unwrap_or(0), faults.collect())
+    IMAGES.every_seed_is_found(0x4685, Fault::UnknownStack); // mov sp, r0
 }
 
 const MAIN: &str = "stm32f405::app::converse";
 
-/// The addresses of the instructions in a function that raise a mask, or restore one.
-fn masking(image: &Image, function: &str, mask: Mask) -> Vec<u32> {
-    let function = image.named(function).expect("the function");
-    let places = (function.address..function.end).step_by(2);
-    let is_meant = |place: &u32| {
-        let halves = [image.half(*place), image.half(place + 2)];
-        let [Some(high), Some(low)] = halves else {
-            return false;
-        };
-        high >> 4 == 0xf38 && low & 0xff00 == 0x8800 && wide::decode(*place, high, low).mask == mask
-    };
-    places.filter(is_meant).collect()
-}
-
 #[test]
 fn a_long_critical_section_is_found() {
-    let image = image("stm32f405");
-    let (longest, faults) = blocking(&image);
-    assert!(faults.is_empty() && longest > 100, "{longest}: {faults:?}");
-    let ends = masking(&image, MAIN, Mask::Restore);
-    assert!(ends.len() >= 10, "{ends:x?}");
-    for place in ends {
-        // Two NOPs in place of its end: it goes on, into others and into the loop of the main program.
-        let seeded = image.clone().patched(place, &[0xbf00, 0xbf00]);
-        let (now, faults) = blocking(&seeded);
-        assert!(now > 840 || !faults.is_empty(), "{place:#x}: {now}");
-    }
+    IMAGES.every_lost_end_is_found("stm32f405", MAIN, 840);
 }
 
 #[test]
 fn a_loop_and_an_indirect_call_in_a_critical_section_are_found() {
-    let image = image("stm32f405");
-    for place in masking(&image, MAIN, Mask::Raise) {
-        // Behind MSR comes ISB, a wide instruction.
-        for (code, fault) in [(0xd1fe, Fault::Loop), (0x4798, Fault::IndirectCall)] {
-            let seeded = image.clone().patched(place + 4, &[code, 0xbf00]);
-            let (_, faults) = blocking(&seeded);
-            assert!(faults.contains(&fault), "{place:#x}: {faults:?}");
-        }
-    }
+    IMAGES.every_seed_in_a_section_is_found("stm32f405", MAIN);
 }
 
 #[test]
@@ -203,7 +109,7 @@ fn proved(name: &str) -> Row {
 #[test]
 fn what_is_over_its_budget_is_refused() {
     let (_, mut rows) = report::read(FIGURES);
-    assert_eq!(response::over_budget(&rows), [""; 0]);
+    assert_eq!(response::STM32F405.over_budget(&rows), [""; 0]);
     for (name, budget) in [
         ("ADC", 10_080),
         ("longest blocking", 840),
@@ -218,14 +124,14 @@ fn what_is_over_its_budget_is_refused() {
             "stm32f405: {name}: {} cycles where the code waits, of at most {budget}",
             budget + 1
         );
-        assert_eq!(response::over_budget(&rows), [refused]);
+        assert_eq!(response::STM32F405.over_budget(&rows), [refused]);
         let row = rows.iter_mut().find(|row| row.name.ends_with(name));
         row.expect("a row of this name").longest = before;
     }
     let stack = rows.iter_mut().find(|row| row.name.ends_with("all nested"));
     stack.expect("the stack").stack = Some(12_289);
     assert_eq!(
-        response::over_budget(&rows),
+        response::STM32F405.over_budget(&rows),
         ["stm32f405: all nested: 12289 bytes of stack, of at most 12288"]
     );
 }

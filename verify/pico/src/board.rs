@@ -4,6 +4,8 @@ use crate::arm::{self, Arm};
 use crate::flags;
 use crate::pins::{BRAKE, PULSES, STOP, WIRED, Wires};
 use crate::uart::Uart;
+use crate::usb::Usb;
+use crate::usb_host::UsbHost;
 use crate::watchdog::Watchdog;
 use picoem_common::pio::PioBlock;
 use std::collections::HashMap;
@@ -18,6 +20,8 @@ const PIO: u32 = 1 << 11;
 const PLL: u32 = 1 << 14;
 const PWM: u32 = 1 << 16;
 const UART: u32 = 1 << 26;
+const USB: u32 = 1 << 28;
+const PLL_USB: u32 = 1 << 15;
 const ALL: u32 = 0x1fff_ffff;
 /// Functions of pins.
 const BY_SIO: u32 = 5;
@@ -34,11 +38,12 @@ const FIRST_ADDRESS: u32 = 0xd4;
 const BOTH: u32 = 0b11;
 
 /// Registers of blocks whose behaviour is that they keep what is written, and the bits that they hold after a reset.
-const STORED: [(u32, u32); 5] = [
+const STORED: [(u32, u32); 6] = [
     (0x4001_8000, 0),
     (0x4002_8000, IO),
     (0x4003_8000, PADS),
     (0x4005_0000, PLL),
+    (0x4005_8000, PLL_USB),
     (0x400a_8000, PWM),
 ];
 
@@ -60,6 +65,8 @@ pub(crate) struct Blocks {
     stored: HashMap<u32, u32>,
     pins: Connections,
     pub(crate) uart: Uart,
+    usb: Usb,
+    pub(crate) usb_host: UsbHost,
     pub(crate) watchdog: Watchdog,
     pub(crate) pio: PioBlock,
     /// Whether a state machine may do something.
@@ -72,6 +79,8 @@ pub(crate) struct Blocks {
     since_arm: u64,
     /// Pins whose rising edge is kept.
     risen: u32,
+    /// The crystal does not swing.
+    pub(crate) crystal_is_dead: bool,
     /// POWMAN_CHIP_RESET.
     pub(crate) chip_reset: u32,
 }
@@ -83,6 +92,8 @@ impl Default for Blocks {
             stored: HashMap::new(),
             pins: Connections::default(),
             uart: Uart::default(),
+            usb: Usb::default(),
+            usb_host: UsbHost::default(),
             watchdog: Watchdog::default(),
             pio: PioBlock::new(),
             pio_runs: false,
@@ -92,6 +103,7 @@ impl Default for Blocks {
             arm: None,
             since_arm: 0,
             risen: 0,
+            crystal_is_dead: false,
             // Power came on.
             chip_reset: 1 << 16,
         }
@@ -103,11 +115,14 @@ impl Blocks {
     pub(crate) fn reset(&mut self) {
         let wires = std::mem::take(&mut self.wires);
         let arm = self.arm.take();
+        let mut usb_host = std::mem::take(&mut self.usb_host);
+        usb_host.lose_device();
         let mut watchdog = std::mem::take(&mut self.watchdog);
         watchdog.reset();
         *self = Self {
             wires,
             arm,
+            usb_host,
             watchdog,
             ..Self::default()
         };
@@ -119,6 +134,42 @@ impl Blocks {
         } else {
             Err(UNCLOCKED)
         }
+    }
+
+    /// The USB controller, which needs its clock and its reset taken away.
+    fn usb(&mut self) -> Result<&mut Usb, &'static str> {
+        self.needs(USB | PLL_USB)?;
+        // 48 MHz: 12 MHz times 100, over 5 and 5, and handed on.
+        let stored = |address: u32| self.stored.get(&address).copied().unwrap_or(0);
+        let divided = stored(0x4005_800c) >> 12 == 0x55;
+        if !divided || stored(0x4001_0060) != 1 << 11 {
+            return Err(UNCLOCKED);
+        }
+        Ok(&mut self.usb)
+    }
+
+    /// The bytes of the USB controller's memory at an address.
+    pub(crate) fn usb_memory(
+        &mut self,
+        address: u32,
+        size: usize,
+    ) -> Result<&mut [u8], &'static str> {
+        let at = (address & 0xffff) as usize;
+        self.usb()?.bytes(at, size).ok_or(UNKNOWN)
+    }
+
+    /// Whether the USB controller takes a word at an address of its memory.
+    pub(crate) fn usb_takes(&self, address: u32, word: u32) -> bool {
+        self.usb.may_write((address & 0xfff) as usize, word)
+    }
+
+    /// Lets the USB host go on; true while the controller's interrupt is raised.
+    pub(crate) fn advance_usb(&mut self, cycles: u64) -> bool {
+        if self.resets & USB != 0 {
+            return false;
+        }
+        self.usb_host.advance(&mut self.usb, cycles);
+        self.usb.interrupts()
     }
 
     pub(crate) fn read(&mut self, address: u32) -> Result<u32, &'static str> {
@@ -135,17 +186,21 @@ impl Blocks {
             (0x4001_0000, 0x44) => 1 << (stored(block + 0x3c).unwrap_or(0) & 1),
             (0x4001_0000, ..0x90) => stored(block + offset).unwrap_or(0),
             // The crystal is stable once it is enabled.
-            (0x4004_8000, 4) => u32::from(stored(block) == Some(0x00fa_baa0)) << 31,
+            (0x4004_8000, 4) => {
+                let swings = stored(block) == Some(0x00fa_baa0) && !self.crystal_is_dead;
+                u32::from(swings) << 31
+            }
             (0x4004_8000, ..0x14) => stored(block + offset).unwrap_or(0),
-            (0x4005_0000, 0) => self.pll_status(),
-            (0x4005_0000, 4) => stored(block + 4).unwrap_or(0x2d),
+            (0x4005_0000, 0) => self.pll_status(block, 125),
+            (0x4005_8000, 0) => self.pll_status(block, 100),
+            (0x4005_0000 | 0x4005_8000, 4) => stored(block + 4).unwrap_or(0x2d),
             (0x4002_8000, 0x230..0x248) => {
                 let first = (offset - 0x230) / 4 * 8;
                 let bits = |pin: u32| (self.risen >> (first + pin) & 1) << (4 * pin + 3);
                 (0..8).map(bits).sum()
             }
             (0x4003_8000, _) => stored(block + offset).unwrap_or(0x116),
-            (0x4001_8000 | 0x4002_8000 | 0x4005_0000 | 0x400a_8000, _) => {
+            (0x4001_8000 | 0x4002_8000 | 0x4005_0000 | 0x4005_8000 | 0x400a_8000, _) => {
                 stored(block + offset).unwrap_or(0)
             }
             (0x4007_0000, _) => {
@@ -156,6 +211,7 @@ impl Blocks {
             (0x4010_0000, 0x2c) => self.chip_reset,
             (0x4010_8000, 0x30) => self.watchdog.tick[0],
             (0x4010_8000, 0x34) => self.watchdog.tick[1],
+            (0x5011_0000, _) => self.usb()?.read(offset).ok_or(UNKNOWN)?,
             (0x5020_0000, _) => {
                 self.needs(PIO)?;
                 self.pio.read32(offset)
@@ -167,11 +223,11 @@ impl Blocks {
         })
     }
 
-    /// The PLL locks with the multiplier and the power that 1500 MHz need.
-    fn pll_status(&self) -> u32 {
-        let stored = |offset: u32| self.stored.get(&(0x4005_0000 + offset)).copied();
+    /// A PLL locks with its multiplier and the power for it.
+    fn pll_status(&self, block: u32, multiplier: u32) -> u32 {
+        let stored = |offset: u32| self.stored.get(&(block + offset)).copied();
         let locks = stored(0) == Some(1)
-            && stored(8) == Some(125)
+            && stored(8) == Some(multiplier)
             && stored(4).is_some_and(|power| power & 0x21 == 0);
         stored(0).unwrap_or(1) | u32::from(locks) << 31
     }
@@ -206,7 +262,10 @@ impl Blocks {
             (0x4001_0000, ..0x90) | (0x4004_8000, ..0x14) => {
                 self.stored.insert(block + offset, value);
             }
-            (0x4001_8000 | 0x4002_8000 | 0x4003_8000 | 0x4005_0000 | 0x400a_8000, _) => {
+            (
+                0x4001_8000 | 0x4002_8000 | 0x4003_8000 | 0x4005_0000 | 0x4005_8000 | 0x400a_8000,
+                _,
+            ) => {
                 if let Some((_, bit)) = STORED.iter().find(|(base, _)| *base == block) {
                     self.needs(*bit)?;
                 }
@@ -217,6 +276,7 @@ impl Blocks {
                 self.uart.write(offset, value).ok_or(UNKNOWN)?;
             }
             (0x400d_8000, _) => self.watchdog.write(offset, value).ok_or(UNKNOWN)?,
+            (0x5011_0000, _) => self.usb()?.write(offset, value).ok_or(UNKNOWN)?,
             (0x4010_8000, 0x30) => self.watchdog.tick[0] = value & 1,
             (0x4010_8000, 0x34) => self.watchdog.tick[1] = value,
             (0x5020_0000, _) => {

@@ -14,6 +14,9 @@ const SRAM_SIZE: usize = 520 * 1024;
 /// Where the flash is read past its cache.
 const UNCACHED: u32 = 0x1400_0000;
 
+/// The upper half of the addresses of the USB controller's memory.
+const USB_MEMORY: u32 = 0x5010;
+
 /// What a program may not do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Violation {
@@ -102,6 +105,9 @@ impl Bus {
         if in_flash && self.flash_is_busy {
             self.violate("the flash is read while it is busy", address);
         }
+        if address >> 16 == USB_MEMORY {
+            return self.read_usb(address, size);
+        }
         if let Some(bytes) = self.memory(address, size) {
             let mut word = [0; 4];
             word[..size].copy_from_slice(bytes);
@@ -128,10 +134,41 @@ impl Bus {
             self.written.extend([address, address + 2]);
             return;
         }
-        if size < 4 {
+        if address >> 16 == USB_MEMORY {
+            self.write_usb(address, value, size);
+        } else if size < 4 {
             self.violate("a register is written in part", address);
         } else if let Err(what) = self.blocks.write(address, value) {
             self.violate(what, address);
+        }
+    }
+
+    fn read_usb(&mut self, address: u32, size: usize) -> u32 {
+        match self.blocks.usb_memory(address, size) {
+            Ok(bytes) => {
+                let mut word = [0; 4];
+                word[..size].copy_from_slice(bytes);
+                u32::from_le_bytes(word)
+            }
+            Err(what) => {
+                self.violate(what, address);
+                0
+            }
+        }
+    }
+
+    fn write_usb(&mut self, address: u32, value: u32, size: usize) {
+        if !(address as usize).is_multiple_of(size) {
+            self.violate("a word of the USB memory is crossed", address);
+        } else if size == 4 && !self.blocks.usb_takes(address, value) {
+            self.violate(
+                "a USB buffer is not complete when it is made available",
+                address,
+            );
+        }
+        match self.blocks.usb_memory(address, size) {
+            Ok(bytes) => bytes.copy_from_slice(&value.to_le_bytes()[..size]),
+            Err(what) => self.violate(what, address),
         }
     }
 

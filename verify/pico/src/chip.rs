@@ -6,6 +6,7 @@ use crate::flash::FlashEvent;
 use crate::image::Image;
 use crate::pins::Wires;
 use crate::rom::{self, Function};
+use crate::usb_host::UsbHost;
 use crate::{acquire, fpu, masks};
 use rp2350_emu::core::CortexM33;
 use rp2350_emu::threaded::CoreAtomics;
@@ -15,6 +16,11 @@ use std::sync::Arc;
 pub const HZ: u64 = 150_000_000;
 /// The interrupt of UART0.
 const UART0: u32 = 33;
+/// The interrupt of USB, and the number of its exception.
+const USB: u32 = 14;
+const USB_EXCEPTION: u32 = 16 + USB;
+/// The number of the exception of the ticks.
+const SYSTICK_EXCEPTION: u32 = 15;
 /// What the flash takes: for a block of 64 KiB and a page of 256 bytes [cycles].
 const BLOCK: u64 = HZ * 150 / 1000;
 const PAGE: u64 = HZ * 400 / 1_000_000;
@@ -33,6 +39,14 @@ pub struct Chip {
     done_at: Option<u64>,
     /// The core executes nothing.
     hangs: bool,
+    /// The tick that lasts: the core's own cycle in which its interrupt began.
+    tick_began: Option<u64>,
+    /// Ticks that have ended.
+    pub ticks: u64,
+    /// The cycles of the longest one.
+    pub longest_tick: u64,
+    /// The interrupt of the ticks is lost.
+    pub without_ticks: bool,
     /// Resets since power came on.
     pub resets: u32,
 }
@@ -49,6 +63,10 @@ impl Chip {
             before: 0,
             done_at: None,
             hangs: false,
+            tick_began: None,
+            ticks: 0,
+            longest_tick: 0,
+            without_ticks: false,
             resets: 0,
         };
         chip.boot();
@@ -61,6 +79,8 @@ impl Chip {
         self.at = 0;
         self.done_at = None;
         self.hangs = false;
+        self.without_ticks = false;
+        self.tick_began = None;
         self.bus.flash_is_busy = false;
         self.bus.atomics.reset();
         self.core = CortexM33::new(0, Arc::clone(&self.bus.atomics));
@@ -82,9 +102,12 @@ impl Chip {
         let flash = std::mem::take(&mut self.bus.flash);
         let stop = self.bus.blocks.wires.stop;
         let arm = self.bus.blocks.arm.take();
+        let mut usb_host = std::mem::take(&mut self.bus.blocks.usb_host);
+        usb_host.lose_device();
         self.bus = Bus::new(flash, Arc::clone(&self.bus.atomics));
         self.bus.blocks.wires.stop = stop;
         self.bus.blocks.arm = arm;
+        self.bus.blocks.usb_host = usb_host;
         self.boot();
     }
 
@@ -128,6 +151,24 @@ impl Chip {
         self.core.regs.set_pc(rom::UNDEFINED);
     }
 
+    /// What runs below the ticks hangs, from the next moment without an interrupt on.
+    pub fn hang_session(&mut self) {
+        while self.core.regs.ipsr() != 0 {
+            self.step();
+        }
+        self.core.regs.set_pc(rom::HANGS);
+    }
+
+    /// The core goes on at this address, such as that of a function that ends the program.
+    pub fn jump(&mut self, address: u32) {
+        self.core.regs.set_pc(address & !1);
+    }
+
+    /// The crystal does not swing, from now on.
+    pub fn take_crystal(&mut self) {
+        self.bus.blocks.crystal_is_dead = true;
+    }
+
     /// The core hangs: it executes nothing any more.
     pub fn hang(&mut self) {
         self.hangs = true;
@@ -142,6 +183,11 @@ impl Chip {
     pub fn receive(&mut self, most: usize) -> Vec<u8> {
         let sent = &mut self.bus.blocks.uart.to_host;
         sent.drain(..most.min(sent.len())).collect()
+    }
+
+    /// The host at its USB cable.
+    pub fn usb(&mut self) -> &mut UsbHost {
+        &mut self.bus.blocks.usb_host
     }
 
     /// Bytes that the chip has lost because nobody took them.
@@ -177,7 +223,9 @@ impl Chip {
             self.core.invalidate_decode_cache_entries(&self.bus.written);
             self.bus.written.clear();
         }
+        let began = cycles;
         let cycles = self.core.cycles();
+        self.time_ticks(began, cycles);
         self.count_systick(cycles);
         let pc = self.core.regs.pc();
         if pc < 0x8000 && self.core.regs.ipsr() == 0 {
@@ -189,9 +237,26 @@ impl Chip {
         }
     }
 
+    /// Notes when the interrupt of a tick begins and ends. Nothing interrupts it.
+    fn time_ticks(&mut self, began: u64, now: u64) {
+        let ticks = self.core.regs.ipsr() == SYSTICK_EXCEPTION;
+        match self.tick_began {
+            None if ticks => self.tick_began = Some(began),
+            Some(began) if !ticks => {
+                self.tick_began = None;
+                self.ticks += 1;
+                self.longest_tick = self.longest_tick.max(now - began);
+            }
+            _ => {}
+        }
+    }
+
     /// Lets SysTick count. The emulated one raises its interrupt when it passes 0, but not when it stops there.
     fn count_systick(&mut self, cycles: u64) {
         const ENABLED: u32 = 0b11;
+        if self.without_ticks {
+            return;
+        }
         let ppb = &mut self.core.ppb;
         let before = ppb.syst_cvr;
         ppb.systick_advance(cycles);
@@ -221,6 +286,11 @@ impl Chip {
         if blocks.uart.advance(cycles) {
             self.bus.atomics.assert_irq(0, UART0);
         }
+        // A level: it raises the interrupt again as long as it is there.
+        let serves = self.core.regs.ipsr() == USB_EXCEPTION;
+        if self.bus.blocks.advance_usb(cycles) && !serves {
+            self.bus.atomics.assert_irq(0, USB);
+        }
         if self.bus.blocks.watchdog.advance(cycles) {
             self.resets += 1;
             self.bus.blocks.reset();
@@ -231,7 +301,10 @@ impl Chip {
     /// Does what a function of the ROM does, and returns from it when that is done.
     fn in_rom(&mut self, pc: u32, cycles: u64) {
         let Some(function) = rom::at(pc) else {
-            return self.bus.violate("no function of the ROM is there", pc);
+            if pc != rom::HANGS {
+                self.bus.violate("no function of the ROM is there", pc);
+            }
+            return;
         };
         let [first, second, third] = [0, 1, 2].map(|register| self.core.reg(register));
         let takes = match function {

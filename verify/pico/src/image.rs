@@ -1,5 +1,6 @@
 //! The program: the flash that its file describes.
 
+use object::{Object, ObjectSymbol};
 use std::fmt;
 use std::path::Path;
 
@@ -33,6 +34,7 @@ impl std::error::Error for ImageError {}
 /// A program.
 pub struct Image {
     pub(crate) flash: Vec<u8>,
+    symbols: Vec<(String, u32)>,
 }
 
 impl Image {
@@ -63,7 +65,21 @@ impl Image {
                 .ok_or(ImageError::Outside(address))?
                 .copy_from_slice(bytes);
         }
-        Ok(Self { flash })
+        let symbols = elf.symbols().filter_map(|symbol| {
+            let name = symbol.name().ok()?;
+            Some((name.to_owned(), symbol.address() as u32))
+        });
+        Ok(Self {
+            flash,
+            symbols: symbols.collect(),
+        })
+    }
+
+    /// The address of the one symbol in whose name this is.
+    pub fn symbol(&self, part: &str) -> Option<u32> {
+        let mut found = self.symbols.iter().filter(|(name, _)| name.contains(part));
+        let (_, address) = found.next()?;
+        found.next().is_none().then_some(*address)
     }
 
     /// The flash with the program.

@@ -14,6 +14,8 @@ mod masks;
 mod pins;
 mod rom;
 mod uart;
+mod usb;
+mod usb_host;
 mod watchdog;
 
 pub use arm::{Arm, ServoArm, StepperArm};
@@ -23,3 +25,4 @@ pub use flash::{FlashEvent, Share};
 pub use image::{Image, ImageError};
 pub use line::HostLine;
 pub use pins::{PULSES, Pulse, Wires};
+pub use usb_host::UsbHost;

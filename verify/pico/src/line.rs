@@ -1,4 +1,4 @@
-//! The host's end of the serial line. Time passes in the chip while the host waits.
+//! The host's end of the serial line, or of that over USB. Time passes in the chip while the host waits.
 
 use crate::chip::{Chip, HZ};
 use fivebar_sim::link::READ;
@@ -14,13 +14,40 @@ const SLICE: u64 = HZ / 20_000;
 #[derive(Clone)]
 pub struct HostLine {
     chip: Rc<RefCell<Chip>>,
+    over_usb: bool,
 }
 
 impl HostLine {
     /// The host's end of this chip's line.
     pub fn new(chip: Chip) -> Self {
         let chip = Rc::new(RefCell::new(chip));
-        Self { chip }
+        Self {
+            chip,
+            over_usb: false,
+        }
+    }
+
+    /// The host's end of the line over USB to the same chip.
+    pub fn over_usb(&self) -> Self {
+        Self {
+            chip: Rc::clone(&self.chip),
+            over_usb: true,
+        }
+    }
+
+    /// The serial line of the same chip.
+    pub fn serial(&self) -> Self {
+        Self {
+            chip: Rc::clone(&self.chip),
+            over_usb: false,
+        }
+    }
+
+    fn taken(&self, chip: &mut Chip, most: usize) -> Vec<u8> {
+        if !self.over_usb {
+            return chip.receive(most);
+        }
+        chip.usb().receive(most)
     }
 
     /// The chip, while the host does not wait.
@@ -38,13 +65,13 @@ impl Read for HostLine {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let mut chip = self.chip();
         let end = chip.now() + READ.as_nanos() as u64 * 3 / 20;
-        let mut received = chip.receive(bytes.len());
+        let mut received = self.taken(&mut chip, bytes.len());
         while received.is_empty() {
             if chip.now() >= end {
                 return Err(ErrorKind::TimedOut.into());
             }
             chip.run(SLICE).map_err(io::Error::other)?;
-            received = chip.receive(bytes.len());
+            received = self.taken(&mut chip, bytes.len());
         }
         bytes[..received.len()].copy_from_slice(&received);
         Ok(received.len())
@@ -53,7 +80,12 @@ impl Read for HostLine {
 
 impl Write for HostLine {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.chip().send(bytes);
+        let mut chip = self.chip();
+        if self.over_usb {
+            chip.usb().send(bytes);
+        } else {
+            chip.send(bytes);
+        }
         Ok(bytes.len())
     }
 

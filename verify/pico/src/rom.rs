@@ -6,6 +6,8 @@ pub(crate) const LOOKUP_POINTER: usize = 0x16;
 const LOOKUP: u32 = 0x100;
 /// `udf #0` is there, which no core executes.
 pub(crate) const UNDEFINED: u32 = 0x300;
+/// `b .` is there: a program that hangs.
+pub(crate) const HANGS: u32 = 0x310;
 /// `b .`
 const LOOP: u16 = 0xe7fe;
 /// The functions by their codes.
@@ -34,7 +36,11 @@ pub(crate) enum Function {
 pub(crate) fn bytes() -> Vec<u8> {
     let mut rom = vec![0; 32 * 1024];
     rom[LOOKUP_POINTER..LOOKUP_POINTER + 2].copy_from_slice(&((LOOKUP | 1) as u16).to_le_bytes());
-    for at in FUNCTIONS.map(|(_, at, _)| at).into_iter().chain([LOOKUP]) {
+    for at in FUNCTIONS
+        .map(|(_, at, _)| at)
+        .into_iter()
+        .chain([LOOKUP, HANGS])
+    {
         rom[at as usize..at as usize + 2].copy_from_slice(&LOOP.to_le_bytes());
     }
     rom[UNDEFINED as usize + 1] = 0xde;

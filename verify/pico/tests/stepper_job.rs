@@ -41,7 +41,15 @@ fn trimmed(steps: &[i32]) -> Vec<i32> {
 
 #[test]
 fn a_job_gives_the_steps_of_the_loop_in_this_process_tick_by_tick() {
-    let mut bench = Bench::of("rp2350_stepper", "benchtop_stepper");
+    gives_the_steps_of_this_process(Bench::of("rp2350_stepper", "benchtop_stepper"));
+}
+
+#[test]
+fn over_usb_it_gives_the_same_steps() {
+    gives_the_steps_of_this_process(Bench::over_usb("rp2350_stepper", "benchtop_stepper"));
+}
+
+fn gives_the_steps_of_this_process(mut bench: Bench) {
     let settings = bench.settings;
     let start = Request::SetAngles(settings.axes.each_ref().map(|axis| axis.home_angle));
     bench.request(start).expect("accepted");
@@ -87,7 +95,15 @@ const DRAWING: &str = "G21 G90 F1800\nG1 X10 Y0\nG3 X10 Y10 I0 J5\nG1 X-10 Y-5\n
 
 #[test]
 fn the_arm_homes_and_draws_without_losing_a_step() {
-    let mut bench = Bench::of("rp2350_stepper", "benchtop_stepper");
+    homes_and_draws(Bench::of("rp2350_stepper", "benchtop_stepper"));
+}
+
+#[test]
+fn over_usb_the_arm_homes_and_draws_without_losing_a_step() {
+    homes_and_draws(Bench::over_usb("rp2350_stepper", "benchtop_stepper"));
+}
+
+fn homes_and_draws(mut bench: Bench) {
     let (robot, settings): (Robot, Settings) = (bench.robot.clone(), bench.settings);
     // 0.03 rad before its home switches.
     let before = settings

@@ -10,10 +10,14 @@ pub const PADS_BANK0: u32 = 1 << 9;
 pub const PIO0: u32 = 1 << 11;
 /// The core's PLL.
 pub const PLL_SYS: u32 = 1 << 14;
+/// The PLL of USB.
+pub const PLL_USB: u32 = 1 << 15;
 /// The tool's output.
 pub const PWM: u32 = 1 << 16;
 /// The serial line.
 pub const UART0: u32 = 1 << 26;
+/// USB.
+pub const USBCTRL: u32 = 1 << 28;
 
 /// How often the flags are read: a block needs some clocks.
 const TIMEOUT_READS: u32 = 10_000;

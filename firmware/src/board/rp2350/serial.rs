@@ -13,6 +13,8 @@ use rp235x_pac::{RESETS, UART0};
 const BAUD: u32 = 1_000_000;
 /// Sixty-fourths of a sixteenth of a symbol: 9 and 24/64.
 const DIVIDER: u32 = CORE * 4 / BAUD;
+/// Bytes that the chip holds.
+const HELD: usize = 32;
 /// Two of the longest frames.
 const ROOM: usize = 2 * MAX_FRAME;
 
@@ -45,12 +47,15 @@ pub fn new(uart: &UART0, resets: &RESETS) -> (Receiver, Sender) {
 }
 
 impl Receiver {
-    /// Hands over the bytes that have come. For the interrupt, which that clears.
+    /// Hands over the bytes that have come. For the interrupt, which that clears; what comes meanwhile raises it again.
     pub fn drain(&mut self, mut byte: impl FnMut(u8)) {
         // SAFETY: nothing else reads the data register.
         #[allow(unsafe_code)]
         let uart = unsafe { &*UART0::ptr() };
-        while uart.uartfr().read().rxfe().bit_is_clear() {
+        for _ in 0..HELD {
+            if uart.uartfr().read().rxfe().bit_is_set() {
+                break;
+            }
             byte(uart.uartdr().read().data().bits());
         }
     }

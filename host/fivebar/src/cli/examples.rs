@@ -88,6 +88,13 @@ const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "flash",
+        &[
+            "fivebar flash rp2350_servo.uf2",
+            "fivebar flash rp2350_stepper --drive /media/me/RP2350",
+        ],
+    ),
+    (
         "hil",
         &[
             "fivebar hil --port /dev/ttyUSB0",

@@ -20,6 +20,7 @@ mod examples;
 mod export;
 mod failure;
 mod figures;
+mod flash;
 mod hil;
 mod identify;
 mod length;
@@ -89,6 +90,7 @@ enum Command {
     Doctor(doctor::Args),
     Drive(drive::Args),
     Export(export::Args),
+    Flash(flash::Args),
     Hil(hil::Args),
     Identify(identify::Args),
     Linkage(linkage::Args),
@@ -143,6 +145,7 @@ pub fn main() -> ExitCode {
             Command::Doctor(args) => doctor::run(&args),
             Command::Drive(args) => drive::run(&args),
             Command::Export(args) => export::run(&args),
+            Command::Flash(args) => flash::run(&args),
             Command::Hil(args) => hil::run(&args),
             Command::Identify(args) => identify::run(&args),
             Command::Linkage(args) => linkage::run(&args),

@@ -21,6 +21,7 @@ mod doors;
 mod emulator_lifetime;
 mod export;
 mod extremes;
+mod flash;
 mod full_disk;
 mod home_index;
 mod home_methods;

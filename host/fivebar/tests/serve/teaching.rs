@@ -103,7 +103,8 @@ fn a_lost_page_and_a_stop_hold_the_arm_and_an_emergency_stop_switches_it_off() {
             let ticks = number(&rest["tick"]);
             let tick = number(&rest["time"]) / ticks;
             let took = HANDLED.as_secs_f64() + tick * (ticks - before);
-            assert!(took < 0.05, "{took} s");
+            // States come 30 times a second.
+            assert!(took < 0.05 + 1.0 / 30.0, "{took} s");
             assert_eq!(rest["duty"], json!([0.0, 0.0]), "the bridges are off");
         }
     }

@@ -6,7 +6,9 @@ use fivebar_files::robot::Robot;
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::{StepDrives, StepSample};
 use fivebar_firmware::planner::Planner;
-use fivebar_firmware::protocol::{CommandError, HostCommand, Identity, Reply};
+use fivebar_firmware::protocol::{
+    CommandError, HostCommand, HostMessage, Identity, Reply, Sequence, encode,
+};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::{ArmSample, Move, MoveKind, Settings, Status};
 use fivebar_pico::{Chip, HZ, HostLine, Image, Pulse};
@@ -69,10 +71,19 @@ impl Bench {
 
     /// An image with these settings.
     pub(crate) fn with(image: &str, robot: Robot, settings: Settings) -> Self {
-        let image = Image::read(&path(image)).expect("an image");
-        let mut chip = Chip::new(&image);
-        chip.run(HZ / 100).expect("it starts");
-        let line = HostLine::new(chip);
+        Self::on(HostLine::new(started(image)), robot, settings)
+    }
+
+    /// The same over USB.
+    pub(crate) fn over_usb(image: &str, robot: &str) -> Self {
+        let robot = Robot::load(robot).expect("a built-in robot");
+        let settings = robot.settings().expect("settings");
+        let line = HostLine::new(started(image)).over_usb();
+        plug(&mut line.chip());
+        Self::on(line, robot, settings)
+    }
+
+    fn on(line: HostLine, robot: Robot, settings: Settings) -> Self {
         let (mut client, identity) = open(&line);
         let applied = client.write_settings(&settings).expect("a line");
         applied.expect("the settings are applied");
@@ -139,7 +150,27 @@ impl Bench {
     }
 }
 
-fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
+/// A chip whose image has started.
+fn started(image: &str) -> Chip {
+    let image = Image::read(&path(image)).expect("an image");
+    let mut chip = Chip::new(&image);
+    chip.run(HZ / 100).expect("it starts");
+    chip
+}
+
+/// Plugs the USB cable in, and waits until the host has opened the serial line.
+pub(crate) fn plug(chip: &mut Chip) {
+    chip.usb().plug();
+    for _ in 0..100 {
+        chip.run(HZ / 1000).expect("it runs");
+        if chip.usb().is_open() {
+            return;
+        }
+    }
+    panic!("the host finds no serial line within 0.1 s");
+}
+
+pub(crate) fn open(line: &HostLine) -> (Client<HostLine>, Identity) {
     Client::open_with_clock(line.clone(), HostLine::time).expect("it answers")
 }
 
@@ -236,4 +267,11 @@ pub(crate) fn play(
 pub(crate) fn of(pulses: &[Pulse], joint: usize) -> Vec<Pulse> {
     let of_joint = |pulse: &&Pulse| pulse.joint == joint;
     pulses.iter().filter(of_joint).copied().collect()
+}
+
+/// The bytes of a command.
+pub(crate) fn frame(sequence: u16, command: HostCommand) -> Vec<u8> {
+    let sequence = Sequence(sequence);
+    let message = HostMessage { sequence, command };
+    encode(&message).expect("a frame").to_vec()
 }

@@ -7,17 +7,18 @@ macro_rules! rp2350_image {
         #[rtic::app(device = rp235x_pac, peripherals = true)]
         mod app {
             use core::mem::MaybeUninit;
-            use heapless::spsc::{Producer, Queue};
+            use heapless::spsc::Queue;
             use $crate::board::cycles::CycleMeter;
             use $crate::board::exchanged::Place;
             use $crate::board::rp2350::image::Locked;
             use $crate::board::rp2350::image::start::{self, Image, Places};
-            use $crate::board::rp2350::image::tasks::{self, Idle};
+            use $crate::board::rp2350::image::tasks::{self, Hearing, Idle};
             use $crate::board::rp2350::outputs::CommonOutputs;
             use $crate::board::rp2350::serial::Receiver;
+            use $crate::board::rp2350::usb;
             use $crate::drives::BlindStepDrives;
             use $crate::planner::Planner;
-            use $crate::protocol::{Decoder, HostMessage};
+            use $crate::protocol::HostMessage;
             use $crate::session::Session;
 
             #[shared]
@@ -29,20 +30,24 @@ macro_rules! rp2350_image {
             struct Local {
                 meter: CycleMeter,
                 outputs: CommonOutputs,
-                receiver: Receiver,
-                arrived: Producer<'static, HostMessage>,
+                receiver: (Receiver, Hearing),
+                usb: (Option<usb::Device>, Hearing),
                 idle: Idle,
             }
 
             #[init(local = [
-                queue: Queue<HostMessage, 4> = Queue::new(),
+                queues: [Queue<HostMessage, 4>; 2] = [const { Queue::new() }; 2],
+                usb_bus: usb::Place = usb::Place::uninit(),
+                usb_waiting: usb::Waiting = usb::Waiting::new(),
                 controllers: [Place<BlindStepDrives>; 2] = [const { Place::uninit() }; 2],
                 planner: Planner = Planner::NONE,
                 session: MaybeUninit<Session> = MaybeUninit::uninit(),
             ])]
             fn init(cx: init::Context) -> (Shared, Local) {
                 let places = Places {
-                    queue: cx.local.queue,
+                    queues: cx.local.queues,
+                    usb: cx.local.usb_bus,
+                    usb_waiting: cx.local.usb_waiting,
                     controllers: cx.local.controllers,
                     planner: cx.local.planner,
                     session: cx.local.session,
@@ -52,14 +57,14 @@ macro_rules! rp2350_image {
                     meter,
                     outputs,
                     receiver,
-                    arrived,
+                    usb,
                     idle,
                 } = start::start::<$parts>(cx.device, cx.core, places);
                 let local = Local {
                     meter,
                     outputs,
                     receiver,
-                    arrived,
+                    usb,
                     idle,
                 };
                 (Shared { locked }, local)
@@ -71,14 +76,17 @@ macro_rules! rp2350_image {
                 cx.shared.locked.lock(|locked| tasks::tick(local.meter, local.outputs, locked));
             }
 
-            #[task(binds = UART0_IRQ, priority = 2, local = [
-                receiver,
-                arrived,
-                decoder: Decoder<HostMessage> = Decoder::new(),
-            ])]
+            #[task(binds = UART0_IRQ, priority = 2, local = [receiver])]
             fn receive(cx: receive::Context) {
-                let local = cx.local;
-                tasks::receive(local.receiver, local.arrived, local.decoder);
+                let (receiver, hearing) = cx.local.receiver;
+                receiver.drain(|byte| hearing.hear(byte));
+            }
+
+            #[task(binds = USBCTRL_IRQ, priority = 1, local = [usb])]
+            fn serve_usb(cx: serve_usb::Context) {
+                if let (Some(usb), hearing) = cx.local.usb {
+                    usb.serve(|byte| hearing.hear(byte));
+                }
             }
 
             #[idle(shared = [locked], local = [idle])]

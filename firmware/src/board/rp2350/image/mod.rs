@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `tick`: sensor sample in, actuator command out | 4 | the next tick; misses are counted |
 //! | `receive`: from bytes to commands | 2 | 16 bytes of 10 µs: 160 µs |
+//! | `serve_usb`: the same over USB, and what is sent there | 1 | none: the host waits |
 //! | `converse`: session, planner, telemetry, log, watchdog | idle | the watchdog's 50 ms |
 //!
 //! A kind of drive is a folder beside this one. It implements [`Parts`]; both kinds take steps from the controller.
@@ -34,6 +35,8 @@ pub const TICK_CYCLES: u32 = clocks::CORE / 10_000;
 pub trait Parts: Sized + Send + 'static {
     /// What the image is called.
     const BOARD: Board;
+    /// What USB calls it.
+    const NAME: &'static str;
     /// What it can do.
     const LIMITS: BoardLimits;
 

@@ -1,19 +1,21 @@
 //! The start of an image: from the reset to the first tick.
 
-use super::tasks::Idle;
+use super::tasks::{Hearing, Idle};
 use super::{Controller, Locked, Parts};
 use crate::board::cycles::{CycleMeter, TickTimes};
 use crate::board::exchanged::Place;
 use crate::board::log::EventLog;
+use crate::board::rp2350::lines::Lines;
 use crate::board::rp2350::outputs::CommonOutputs;
 use crate::board::rp2350::pins::{self, Pins};
 use crate::board::rp2350::services::{self, BoardServices};
+use crate::board::rp2350::usb::{self, bus::Bus};
 use crate::board::rp2350::watchdog::Watchdog;
 use crate::board::rp2350::{clocks, end, serial, tool};
 use crate::board::stored;
 use crate::drives::BlindStepDrives;
 use crate::planner::Planner;
-use crate::protocol::{HostMessage, Identity};
+use crate::protocol::{Decoder, HostMessage, Identity};
 use crate::session::{self, Board, Session, fault_at_start};
 use crate::{ArmSample, ToldSample};
 
@@ -23,7 +25,9 @@ use heapless::spsc::{Producer, Queue};
 /// Where what lasts as long as the program is put.
 #[allow(missing_docs, reason = "each is named after what is put there")]
 pub struct Places {
-    pub queue: &'static mut Queue<HostMessage, 4>,
+    pub queues: &'static mut [Queue<HostMessage, 4>; 2],
+    pub usb: &'static mut usb::Place,
+    pub usb_waiting: &'static mut usb::Waiting,
     pub controllers: &'static mut [Place<BlindStepDrives>; 2],
     pub planner: &'static mut Planner,
     pub session: &'static mut MaybeUninit<Session>,
@@ -37,10 +41,10 @@ pub struct Image<P: Parts> {
     pub meter: CycleMeter,
     /// The tick's.
     pub outputs: CommonOutputs,
-    /// The serial line's: its bytes.
-    pub receiver: serial::Receiver,
-    /// The serial line's: what the bytes say, for the session.
-    pub arrived: Producer<'static, HostMessage>,
+    /// The serial line's.
+    pub receiver: (serial::Receiver, Hearing),
+    /// The line's over USB.
+    pub usb: (Option<usb::Device>, Hearing),
     /// The idle task's.
     pub idle: Idle,
 }
@@ -73,7 +77,16 @@ pub fn start<P: Parts>(
     let mut parts = P::new(device.PIO0, &pins, resets);
     let (tool_timer, tool) = tool::new(device.PWM, resets);
     let (receiver, sender) = serial::new(&device.UART0, resets);
-    let (arrived, commands) = places.queue.split();
+    let [(arrived, commands), (usb_arrived, usb_commands)] =
+        places.queues.each_mut().map(Queue::split);
+    let usb_runs = clocks::start_usb(&device.PLL_USB, &device.CLOCKS, resets);
+    let (usb, usb_sender) = usb_runs
+        .map(|()| {
+            let bus = Bus::new(device.USB, device.USB_DPRAM, resets);
+            usb::new(places.usb, places.usb_waiting, bus, P::NAME)
+        })
+        .ok()
+        .unzip();
 
     let mut storage = services::open();
     let mut settings = stored::benchtop();
@@ -101,8 +114,11 @@ pub fn start<P: Parts>(
         controller.latch_fault(fault);
     }
     let idle = Idle {
-        commands,
-        sender,
+        lines: Lines {
+            serial: (commands, sender),
+            usb: usb_sender.map(|sender| (usb_commands, sender)),
+            usb_leads: false,
+        },
         spare: Controller::place(spare, settings),
         planner: places.planner,
         session: session::place(places.session, identity, settings, missing.is_none()),
@@ -118,8 +134,15 @@ pub fn start<P: Parts>(
         },
         meter: CycleMeter::new(&mut core.DCB, &mut core.DWT),
         outputs: CommonOutputs { brake, tool },
-        receiver,
-        arrived,
+        receiver: (receiver, hearing(arrived)),
+        usb: (usb, hearing(usb_arrived)),
         idle,
+    }
+}
+
+fn hearing(arrived: Producer<'static, HostMessage>) -> Hearing {
+    Hearing {
+        arrived,
+        decoder: Decoder::new(),
     }
 }

@@ -6,9 +6,9 @@ use crate::board::alive::Tasks;
 use crate::board::cycles::CycleMeter;
 use crate::board::exchanged::Exchanged;
 use crate::board::log::EventLog;
+use crate::board::rp2350::lines::Lines;
 use crate::board::rp2350::outputs::CommonOutputs;
 use crate::board::rp2350::pins;
-use crate::board::rp2350::serial::{Receiver, Sender};
 use crate::board::rp2350::services::{self, BoardServices};
 use crate::drives::Drives;
 use crate::planner::Planner;
@@ -17,7 +17,7 @@ use crate::session::Session;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
-use heapless::spsc::{Consumer, Producer};
+use heapless::spsc::Producer;
 use rtic_core::Mutex;
 
 /// The host sent an emergency stop. The next tick reads this.
@@ -45,29 +45,32 @@ pub fn tick<P: Parts>(meter: &mut CycleMeter, outputs: &mut CommonOutputs, locke
     Tasks::TICK.advanced();
 }
 
-/// From bytes to commands. A command for which the queue has no room is dropped; the host sends it again.
-#[inline(always)]
-pub fn receive(
-    receiver: &mut Receiver,
-    arrived: &mut Producer<'static, HostMessage>,
-    decoder: &mut Decoder<HostMessage>,
-) {
-    receiver.drain(|byte| {
-        if let Some(Ok(message)) = decoder.feed(byte) {
+/// From bytes to commands, of either line.
+pub struct Hearing {
+    /// What they say, for the session.
+    pub arrived: Producer<'static, HostMessage>,
+    /// What has come of a frame.
+    pub decoder: Decoder<HostMessage>,
+}
+
+impl Hearing {
+    /// Takes a byte. A command for which the queue has no room is dropped; the host sends it again.
+    #[inline(always)]
+    pub fn hear(&mut self, byte: u8) {
+        if let Some(Ok(message)) = self.decoder.feed(byte) {
             if message.command == HostCommand::Request(Request::EmergencyStop) {
                 // This does not wait in the queue behind the planner's work.
                 STOP.store(true, Ordering::Relaxed);
             }
-            let _ = arrived.enqueue(message);
+            let _ = self.arrived.enqueue(message);
         }
-    });
+    }
 }
 
 /// What the idle task has.
 #[allow(missing_docs, reason = "each is named after what it is")]
 pub struct Idle {
-    pub commands: Consumer<'static, HostMessage>,
-    pub sender: Sender,
+    pub lines: Lines,
     pub spare: &'static mut Controller,
     pub planner: &'static mut Planner,
     pub session: &'static mut Session,
@@ -100,7 +103,7 @@ impl Idle {
         };
         let controller = &mut shared;
         loop {
-            if let Some(message) = self.commands.dequeue() {
+            if let Some(message) = self.lines.next() {
                 self.services.sample = controller.lock.lock(|locked| {
                     let sample = &locked.sample;
                     let words = locked.controller.drives().sensed_words(&sample.drives);
@@ -108,14 +111,14 @@ impl Idle {
                 });
                 let (session, services) = (&mut *self.session, &mut self.services);
                 if let Some(frame) = session.answer(&message, controller, self.planner, services) {
-                    self.sender.send(&frame);
+                    self.lines.send(&frame);
                 }
             }
             self.planner.run(controller);
             if let Some(frame) = self.session.telemetry(controller, self.planner) {
-                self.sender.send(&frame);
+                self.lines.send(&frame);
             }
-            self.sender.advance();
+            self.lines.advance();
             self.services.times.count();
             self.log.update(controller, &self.services.times);
             Tasks::SESSION.advanced();

@@ -46,6 +46,7 @@ struct Axis {
 
 impl Parts for Servos {
     const BOARD: Board = Board::Rp2350Servo;
+    const NAME: &'static str = "rp2350_servo";
     const LIMITS: BoardLimits = BoardLimits::RP2350_SERVO;
 
     fn new(pio: PIO0, pins: &Pins<'_>, resets: &RESETS) -> Self {

@@ -26,6 +26,7 @@ pub struct Stepper {
 
 impl Parts for Stepper {
     const BOARD: Board = Board::Rp2350Stepper;
+    const NAME: &'static str = "rp2350_stepper";
     const LIMITS: BoardLimits = BoardLimits::RP2350_STEPPER;
 
     fn new(pio: PIO0, pins: &Pins<'_>, resets: &RESETS) -> Self {
