@@ -127,18 +127,29 @@ mod tests {
         angle: 2e-4,
     };
 
-    /// By directions, tried one by one, with the Jacobian of the kinematics.
+    /// By directions, tried one by one, with the Jacobian of the kinematics; more of them beside the worst.
     fn by_directions(jacobian: Matrix2<f64>) -> [f64; 3] {
-        let directions = (0..20_000).map(|i| TAU * f64::from(i) / 20_000.0);
+        const STEP: f64 = TAU / 2_000.0;
         let inverse = jacobian.try_inverse().unwrap();
-        directions.fold([0.0, f64::INFINITY, f64::INFINITY], |worst, angle| {
+        let figures = |angle: f64| {
             let direction = Vector2::new(angle.cos(), angle.sin());
-            let (torque, rate) = (jacobian.tr_mul(&direction), inverse * direction);
+            let rate = inverse * direction;
             [
-                worst[0].max(torque.amax()),
-                worst[1].min(1.0 / rate.amax()),
-                worst[2].min(rate.norm_squared()),
+                jacobian.tr_mul(&direction).amax(),
+                -1.0 / rate.amax(),
+                -rate.norm_squared(),
             ]
+        };
+        let most = |figure: usize, middle: f64, reach: f64| {
+            let angles = (-1_000..=1_000).map(|i| middle + reach * f64::from(i) / 1_000.0);
+            angles
+                .map(|angle| (figures(angle)[figure], angle))
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .unwrap()
+        };
+        [0, 1, 2].map(|figure| {
+            let (_, worst) = most(figure, 0.0, 1_000.0 * STEP);
+            most(figure, worst, STEP).0.abs()
         })
     }
 

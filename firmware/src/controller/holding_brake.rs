@@ -10,9 +10,9 @@
 //!
 //! Brakes with an engage time of 0 need no order: the bridges go off at once.
 
+use super::ArmController;
 use super::setpoint::Setpoint;
 use super::time_slices::TIME_SLICES;
-use super::ArmController;
 use crate::drives::{Drives, Needs, UnpoweredPlace};
 use crate::io::{ArmCommand, ArmSample};
 use crate::safety::{Event, Fault, State};

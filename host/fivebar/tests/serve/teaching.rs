@@ -96,7 +96,10 @@ fn a_lost_page_and_a_stop_hold_the_arm_and_an_emergency_stop_switches_it_off() {
         } else {
             "Armed"
         };
-        let rest = page.state(name, |state| state["state"] == name);
+        let off = json!([0.0, 0.0]);
+        let rest = page.state(name, |state| {
+            state["state"] == name && (name == "Armed" || state["duty"] == off)
+        });
         let fault = &rest["fault"];
         assert_eq!(fault.is_null(), end != "emergency_stop", "{end}: {fault}");
         if let (Some(before), "emergency_stop") = (asked_at, end) {
@@ -105,7 +108,6 @@ fn a_lost_page_and_a_stop_hold_the_arm_and_an_emergency_stop_switches_it_off() {
             let took = HANDLED.as_secs_f64() + tick * (ticks - before);
             // States come 30 times a second.
             assert!(took < 0.05 + 1.0 / 30.0, "{took} s");
-            assert_eq!(rest["duty"], json!([0.0, 0.0]), "the bridges are off");
         }
     }
 }
