@@ -229,7 +229,7 @@ MISTAKES = [
     ("a half that cannot be read taken for an empty one", "storage/mod.rs", "return Err(StorageError::Flash),\n                Ok(None)", "continue,\n                Ok(None)"),
     ("an encoder's age ignored", "controller/model.rs", "D::lag(settings, stage) + axis.encoder_latency",
      "D::lag(control, stage) + 0.0 * axis.encoder_latency"),
-    ("a silent host looked for in every second turn", "controller/time_slices.rs", "self.pending_stop = self.stopping_fault();", "if joint.index() == 0 { self.pending_stop = self.stopping_fault(); }"),
+    ("a silent host looked for in every second turn", "controller/time_slices.rs", "self.pending_stop = self.stopping_fault();", "if self.ticks % TIME_SLICES == 4 { self.pending_stop = self.stopping_fault(); }"),
     ("joint 4's encoder table unchecked", "settings/check.rs", ".zip(&self.encoder_tables) {", ".zip(&self.encoder_tables).take(1) {"),
     ("an over-current limit that joint 4's sensor cannot tell", "settings/table.rs", "self.least(AxisSettings::greatest_current)", "self.axes[0].greatest_current()"),
     ("an armed arm in the working mode of before", "controller/request.rs", "        self.mode = mode;\n", "        let _ = mode;\n"),

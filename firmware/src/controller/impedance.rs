@@ -242,11 +242,7 @@ impl Renderer {
 fn pushed(fixture: &Option<VirtualFixture<f32>>, tool: &ToolState) -> FixturePush<f32> {
     match fixture {
         Some(fixture) => fixture.push(tool.place, tool.velocity),
-        None => FixturePush {
-            spring: Vector2::zeros(),
-            damper: Vector2::zeros(),
-            energy: 0.0,
-        },
+        None => FixturePush::none(),
     }
 }
 

@@ -27,12 +27,12 @@ impl<D: Drives> ArmController<D> {
     pub(super) fn run_time_slice(&mut self, sample: &ArmSample<D::Sample>) {
         match self.ticks % TIME_SLICES {
             0 => {
-                self.warm(Driven::Joint1);
-                self.turn_brake();
+                self.watch_motor(Driven::Joint1);
+                self.compare_pulse(0);
             }
             8 => {
-                self.warm(Driven::Joint4);
-                self.turn_brake();
+                self.watch_motor(Driven::Joint4);
+                self.compare_pulse(1);
             }
             1 | 9 => self.end_path(),
             2 => self.change_gains(Driven::Joint1),
@@ -41,13 +41,9 @@ impl<D: Drives> ArmController<D> {
                 self.correct_encoder(0, Joint::set_scale);
                 self.learn_inertia();
             }
-            4 => {
-                self.watch(Driven::Joint1);
-                self.compare_pulse(0);
-            }
-            12 => {
-                self.watch(Driven::Joint4);
-                self.compare_pulse(1);
+            4 | 12 => {
+                self.pending_stop = self.stopping_fault();
+                self.turn_brake();
             }
             5 | 13 => self.begin_pending_stop(),
             6 | 14 => self.latch_pending_stop(),
@@ -94,22 +90,21 @@ impl<D: Drives> ArmController<D> {
         }
     }
 
-    /// Looks for a fault that stops the arm, and for a joint's loop that oscillates, which the next tick switches
-    /// off.
-    #[inline(always)]
-    fn watch(&mut self, joint: Driven) {
-        self.pending_stop = self.stopping_fault();
-        if let Some(fault) = self.drives.watch_loop(joint) {
-            self.pending_off = Some(fault);
-        }
-    }
-
     /// Lets the drives learn the arm's inertia by the errors of this tick.
     #[inline(always)]
     fn learn_inertia(&mut self) {
         if !self.limits.contains(Limits::TORQUE) {
             self.drives.learn_inertia(self.error);
         }
+    }
+
+    /// Looks for a joint's loop that oscillates, and for a motor that is too hot: the next tick switches it off.
+    #[inline(always)]
+    fn watch_motor(&mut self, joint: Driven) {
+        if let Some(fault) = self.drives.watch_loop(joint) {
+            self.pending_off = Some(fault);
+        }
+        self.warm(joint);
     }
 
     /// Advances a motor's heat by all turns at its current. The next tick switches off a motor that

@@ -68,6 +68,18 @@ pub struct FixturePush<S> {
     pub energy: S,
 }
 
+impl<S: Scalar> FixturePush<S> {
+    /// Nothing.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self {
+            spring: Vector2::zeros(),
+            damper: Vector2::zeros(),
+            energy: S::ZERO,
+        }
+    }
+}
+
 impl<S: Scalar> VirtualFixture<S> {
     /// What it does to a tool at this place [m] with this velocity [m/s].
     #[inline(always)]
@@ -87,12 +99,10 @@ impl<S: Scalar> VirtualFixture<S> {
             }
             FixtureAxis::Radial => {
                 let distance = from.length();
-                let per_distance = if distance > S::from_f64(CENTRE) {
-                    S::ONE / distance
-                } else {
-                    S::ZERO
-                };
-                let axis = from * per_distance;
+                if distance <= S::from_f64(CENTRE) {
+                    return FixturePush::none();
+                }
+                let axis = from * (S::ONE / distance);
                 let away = self.pushed(distance, velocity.dot(&axis), first);
                 FixturePush {
                     spring: axis * away.spring,
