@@ -11,7 +11,7 @@ pub(crate) struct Description {
     pub(crate) image: &'static str,
     robot: &'static str,
     /// Its drives have power by pulses alone.
-    by_pulses: bool,
+    pub(crate) by_pulses: bool,
 }
 
 pub(crate) const STEPPER: Description = Description {
@@ -54,8 +54,19 @@ impl Description {
     pub(crate) fn moving(&self) -> Bench {
         let mut bench = self.armed();
         go(&mut bench, [-0.2, 0.2], 0.2);
-        bench.line.chip().run(HZ / 10).expect("it runs");
+        pass(&mut bench, HZ / 10);
         bench
+    }
+
+    /// Whether the drives have power within a frame.
+    pub(crate) fn has_power(&self, bench: &mut Bench) -> bool {
+        let mut chip = bench.line.chip();
+        if !self.by_pulses {
+            return chip.wires().powered == [true; 2];
+        }
+        let before = chip.wires().pulses.len();
+        chip.run(FRAME).expect("it runs");
+        chip.wires().pulses.len() > before
     }
 
     /// After so many cycles no drive has power, nor gets any.
@@ -81,6 +92,14 @@ impl Description {
     pub(crate) fn symbol(&self, name: &str) -> u32 {
         let image = Image::read(&crate::bench::path(self.image)).expect("an image");
         image.symbol(name).expect("one function of this name")
+    }
+}
+
+/// So many cycles pass for a host that is not silent.
+pub(crate) fn pass(bench: &mut Bench, cycles: u64) {
+    for _ in 0..cycles.div_ceil(HZ / 50) {
+        bench.line.chip().run(HZ / 50).expect("it runs");
+        bench.status();
     }
 }
 

@@ -1,11 +1,22 @@
 //! The rows: what every image must do, as `verify/chip` has it for those of the first board.
 
 use crate::bench::{Bench, frame};
-use crate::images::{BITTEN, Description, go};
+use crate::images::{BITTEN, Description, FRAME, go, pass};
 use fivebar_firmware::Request;
 use fivebar_firmware::protocol::{HostCommand, Reset};
-use fivebar_firmware::safety::Fault;
+use fivebar_firmware::safety::{Fault, State};
 use fivebar_pico::{Chip, HZ};
+
+pub(crate) fn nothing_has_power_from_power_up_until_the_arm_is_armed(image: &Description) {
+    let mut bench = image.started();
+    assert!(bench.line.chip().wires().pulses.is_empty());
+    for _ in 0..5 {
+        assert!(!image.has_power(&mut bench));
+        bench.line.chip().run(HZ / 50).expect("it runs");
+    }
+    let mut bench = image.armed();
+    assert!(image.has_power(&mut bench));
+}
 
 pub(crate) fn ticks_come_at_their_rate_from_the_first_one_on(image: &Description) {
     let bench = image.started();
@@ -19,15 +30,49 @@ pub(crate) fn ticks_come_at_their_rate_from_the_first_one_on(image: &Description
     assert_eq!(bench.status().missed_ticks, 0);
 }
 
-/// Steps that were made, and the lengths of the last pulses.
-fn place(bench: &mut Bench) -> ([i32; 2], [u64; 2]) {
+pub(crate) fn arming_moves_no_joint_also_after_a_motion(image: &Description) {
+    let mut bench = image.moving();
+    pass(&mut bench, HZ * 3 / 2);
+    let before = place(image, &mut bench);
+    bench.request(Request::Disarm).expect("accepted");
+    bench.line.chip().run(HZ / 5).expect("it runs");
+    let again = if bench.status().homed {
+        Request::Arm
+    } else {
+        let [axis1, axis4] = &bench.settings.axes;
+        Request::SetAngles([axis1.home_angle, axis4.home_angle])
+    };
+    bench.request(again).expect("accepted");
+    bench.line.chip().run(HZ * 3 / 10).expect("it runs");
+    assert_eq!(bench.status().state, State::Armed);
+    assert_eq!(place(image, &mut bench), before);
+}
+
+/// Where the joints are told to be: steps that were made, or the lengths of the last pulses.
+fn place(image: &Description, bench: &mut Bench) -> [i64; 2] {
     let mut chip = bench.line.chip();
     let wires = chip.wires();
-    let last = [0, 1].map(|joint| {
+    if !image.by_pulses {
+        return wires.edges.map(i64::from);
+    }
+    [0, 1].map(|joint| {
         let of_joint = wires.pulses.iter().rev().find(|pulse| pulse.joint == joint);
-        of_joint.map_or(0, |pulse| pulse.cycles)
-    });
-    (wires.edges, last)
+        of_joint.map_or(0, |pulse| pulse.cycles as i64)
+    })
+}
+
+pub(crate) fn a_stop_on_the_path_ends_the_motion_and_disarming_the_power(image: &Description) {
+    let mut bench = image.moving();
+    bench.request(Request::Stop).expect("accepted");
+    pass(&mut bench, HZ / 2);
+    let before = place(image, &mut bench);
+    pass(&mut bench, HZ / 5);
+    assert_eq!(place(image, &mut bench), before);
+    assert_eq!(bench.status().fault, None);
+    assert!(image.has_power(&mut bench));
+    bench.request(Request::Disarm).expect("accepted");
+    bench.line.chip().run(HZ / 5).expect("it runs");
+    image.is_off_after(&mut bench, FRAME);
 }
 
 /// The program ends in motion, and starts again.
@@ -145,19 +190,16 @@ pub(crate) fn a_fault_output_of_either_driver_that_stays_ends_the_waking(image: 
 /// A motion longer than the other ones is as long as it says: both joints, each its own way.
 pub(crate) fn a_move_turns_both_joints_as_far_as_it_says(image: &Description) {
     let mut bench = image.armed();
-    let (edges, pulses) = place(&mut bench);
+    let before = place(image, &mut bench);
     go(&mut bench, [-0.05, 0.1], 0.3);
-    bench.line.chip().run(HZ).expect("it ends");
-    let (edges_after, pulses_after) = place(&mut bench);
-    let settings = bench.settings;
+    pass(&mut bench, HZ * 4 / 5);
+    let after = place(image, &mut bench);
+    // A count of the servos' image is 75 cycles of a pulse.
+    let per_count = if image.by_pulses { 75.0 } else { 1.0 };
     for (joint, by) in [-0.05, 0.1].into_iter().enumerate() {
-        let axis = &settings.axes[joint];
+        let axis = &bench.settings.axes[joint];
         let counts = by / std::f32::consts::TAU * axis.gear_ratio * axis.encoder_counts as f32;
-        let made = if settings.check().expect("valid").servo_pulses().is_some() {
-            (pulses_after[joint] as f32 - pulses[joint] as f32) / 75.0
-        } else {
-            (edges_after[joint] - edges[joint]) as f32
-        };
+        let made = (after[joint] - before[joint]) as f32 / per_count;
         assert!(
             (made - counts).abs() <= 1.5,
             "joint {joint}: {made} of {counts}"
