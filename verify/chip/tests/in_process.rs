@@ -12,7 +12,7 @@ use fivebar_chip::time::{MILLISECOND, Time};
 use fivebar_chip::{Options, Step, Tick};
 use fivebar_files::robot::Robot;
 use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
-use fivebar_firmware::planner::{MoveErrorKind, StreamReason};
+use fivebar_firmware::planner::{MoveErrorKind, StreamProgress, StreamReason};
 use fivebar_firmware::protocol::{CommandError, HostCommand, Reply};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::CheckedSettings;
@@ -34,6 +34,8 @@ struct Recorder {
     commands: Vec<Option<(HostCommand, Option<u32>)>>,
     /// The points of a stream, with their numbers.
     points: Vec<(u16, StreamPoint)>,
+    /// What the image told of it last.
+    told: Option<StreamProgress>,
 }
 
 impl Recorder {
@@ -52,6 +54,7 @@ impl Recorder {
             sent_before,
             commands: Vec::new(),
             points: Vec::new(),
+            told: None,
         }
     }
 
@@ -60,7 +63,8 @@ impl Recorder {
         let reply = self.driven.client.call(command).expect("an answer");
         let repeats = self.driven.client.repeats() - before;
         // They came before the answer.
-        while self.driven.client.take_stream_state().is_some() {
+        while let Some(state) = self.driven.client.take_stream_state() {
+            self.told = Some(state.progress);
             self.commands.push(None);
         }
         // What was refused has changed nothing.
@@ -369,8 +373,8 @@ fn a_stream_gives_the_duties_of_the_controller_in_this_process() {
     };
     for n in 0..=POINTS {
         recorder.driven.run(2 * MILLISECOND);
-        // A pause that is nearly as long as the delay is bridged.
-        if n % 17 == 16 || (60..68).contains(&n) {
+        // A pause that is shorter than the delay is bridged.
+        if n % 17 == 16 || (60..65).contains(&n) {
             continue;
         }
         let late = if n % 31 == 30 {
@@ -394,6 +398,9 @@ fn a_stream_gives_the_duties_of_the_controller_in_this_process() {
     let [end_x, end_y] = rest.tool.expect("a position");
     let off = (end_x - x + radius).hypot(end_y - y - radius);
     assert!(off < 5e-5, "{off} m");
+    let told = recorder.told.expect("states of the stream");
+    assert_eq!(told.last, Some(POINTS), "{told:?}");
+    assert_eq!([told.late, told.lost, told.refused], [3, 16, 0]);
     recorder.request(Request::Disarm);
     recorder.run(40 * MILLISECOND);
     recorder.assert_agrees(6_000);
