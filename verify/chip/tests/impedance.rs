@@ -6,7 +6,7 @@ use bench::{Bench, Driven, arm_at, robot};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
 use fivebar_firmware::motion::{
-    Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
+    FIXTURES, Fixture, FixtureShape, Impedance, StreamConfig, StreamMode, StreamPoint, StreamPolicy,
 };
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
@@ -154,16 +154,15 @@ fn walls_and_guides_of_each_shape_hold_a_pull_and_wrong_ones_are_refused() {
         },
     ];
     let nothing = isotropic(0.0);
-    for shape in shapes {
+    let in_places = (0..FIXTURES as u8).flat_map(|place| shapes.map(|shape| (place, shape)));
+    for (place, shape) in in_places {
         let fixture = Some(Fixture {
             shape,
             stiffness: SPRING.0,
             damping: SPRING.1,
         });
-        assert!(does(
-            &mut driven,
-            HostCommand::SetFixture { place: 1, fixture }
-        ));
+        let set = |fixture| HostCommand::SetFixture { place, fixture };
+        assert!(does(&mut driven, set(fixture)));
         assert!(does(
             &mut driven,
             HostCommand::BeginStream(config(nothing, nothing))
@@ -185,6 +184,7 @@ fn walls_and_guides_of_each_shape_hold_a_pull_and_wrong_ones_are_refused() {
         assert!(does(&mut driven, HostCommand::EndStream));
         wait(&mut driven);
         assert_eq!(driven.status().state, State::Armed, "{shape:?}");
+        assert!(does(&mut driven, set(None)));
     }
     let wrong = Fixture {
         shape: FixtureShape::Line {
@@ -201,13 +201,6 @@ fn walls_and_guides_of_each_shape_hold_a_pull_and_wrong_ones_are_refused() {
             HostCommand::SetFixture { place, fixture }
         ));
     }
-    assert!(does(
-        &mut driven,
-        HostCommand::SetFixture {
-            place: 1,
-            fixture: None
-        }
-    ));
     for (stiffness, damping) in [
         (isotropic(1e6), nothing),
         (isotropic(10.0), isotropic(1e3)),
