@@ -37,7 +37,7 @@ pub(super) struct Landmarks {
     /// Counts in a tick per speed [s/rad].
     counts_per_speed: f32,
     wrong_pulses: u8,
-    /// Where and how fast the last pulse came that nobody has looked at [counts, rad/s].
+    /// Where and how fast the last pulse came that nobody has compared [counts, rad/s].
     pulse: Option<(i32, f32)>,
     /// The joint finds its angle by its switch, or by the switch and the index.
     has_switch: bool,
@@ -78,6 +78,11 @@ impl Landmarks {
             .axes
             .each_ref()
             .map(|axis| Self::new(axis, settings))
+    }
+
+    /// Forgets a pulse that nobody has compared: its counts are from an origin that is no more.
+    pub(super) fn forget_pulse(&mut self) {
+        self.pulse = None;
     }
 
     /// A pulse, so many counts from another one. True if counts were lost.

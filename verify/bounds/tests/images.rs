@@ -128,7 +128,9 @@ fn what_is_over_its_budget_is_refused() {
         let row = rows.iter_mut().find(|row| row.name.ends_with(name));
         row.expect("a row of this name").longest = before;
     }
-    let stack = rows.iter_mut().find(|row| row.name.ends_with("all nested"));
+    let stack = rows
+        .iter_mut()
+        .find(|row| row.name == "stm32f405: all nested");
     stack.expect("the stack").stack = Some(12_289);
     assert_eq!(
         response::STM32F405.over_budget(&rows),
