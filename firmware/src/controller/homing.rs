@@ -3,6 +3,7 @@
 
 use super::ArmController;
 use super::homing_state::{HomingConfig, HomingState, limited};
+use super::index_check::Landmarks;
 use super::joint::Joint;
 use super::model::{AxisModel, Model};
 use super::setpoint::Setpoint;
@@ -21,6 +22,7 @@ impl<D: Drives> ArmController<D> {
     /// at the home angles are known.
     pub(super) fn start_homing(&mut self) {
         self.homed = false;
+        self.homed_by_index = false;
         self.homing = match self.settings.home_reference.method {
             HomingMethod::Switch | HomingMethod::Index | HomingMethod::HardStop => {
                 self.angles().map(HomingState::new)
@@ -165,6 +167,7 @@ impl<D: Drives> ArmController<D> {
             }
         }
         self.homed_by_index = self.settings.home_reference.method == HomingMethod::Index;
+        self.landmarks.iter_mut().for_each(Landmarks::forget_pulses);
         let [u1, u4] = self.angles().map(Vector2::unit);
         let tool = &self.model.tool;
         let pose = tool

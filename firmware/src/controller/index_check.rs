@@ -80,8 +80,9 @@ impl Landmarks {
             .map(|axis| Self::new(axis, settings))
     }
 
-    /// Forgets a pulse that nobody has compared: its counts are from an origin that is no more.
-    pub(super) fn forget_pulse(&mut self) {
+    /// Forgets the pulses of before, whose counts are from another origin.
+    pub(super) fn forget_pulses(&mut self) {
+        self.wrong_pulses = 0;
         self.pulse = None;
     }
 

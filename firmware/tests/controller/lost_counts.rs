@@ -126,6 +126,28 @@ fn an_index_output_that_stays_high_is_a_fault() {
     assert_eq!(rig.controller.status().fault, Some(Fault::LostCounts));
 }
 
+/// The search passes pulses that are not where the lost counts say, and finds the arm all the same.
+#[test]
+fn an_arm_that_has_lost_counts_finds_its_index_again() {
+    let mut rig = homed(&with_index());
+    let fault = move_to_and_fro(&mut rig, |tick, rig| {
+        if (3000..4000).contains(&tick) && tick % 10 == 0 {
+            rig.bench.extra_counts[0] += 1;
+        }
+    });
+    assert_eq!(fault, Some(Fault::LostCounts));
+    rig.run(5000);
+    rig.controller.request(Request::ClearFault).unwrap();
+    rig.controller.request(Request::Home).unwrap();
+    while rig.controller.state() == State::Homing {
+        rig.tick();
+    }
+    rig.run(2000);
+    rig.controller.request(Request::Arm).unwrap();
+    rig.run(100);
+    assert_eq!(move_to_and_fro(&mut rig, |_, _| ()), None);
+}
+
 /// Joint 1's angle grows towards its switch, joint 4's falls.
 #[test]
 fn a_joint_at_its_switch_that_should_be_elsewhere_has_lost_counts() {
