@@ -29,6 +29,10 @@ use serde::de::DeserializeOwned;
 pub use start::fault_at_start;
 use stream::set_fixture;
 
+/// Room for messages that wait for the session, and one: the points of the longest delay may come at once, as from an adapter
+/// that collects what a computer sends.
+pub const WAITING: usize = 32;
+
 /// Makes a session in its place, where it lasts as long as the program. A call of its own: so the caller's
 /// stack holds no copy.
 #[inline(never)]

@@ -5,7 +5,7 @@ mod bench;
 use bench::{Bench, arm_at, robot};
 use fivebar_chip::Options;
 use fivebar_chip::time::MILLISECOND;
-use fivebar_firmware::motion::{StreamMode, StreamPoint, StreamPolicy};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use fivebar_firmware::planner::{StreamPhase, StreamReason};
 use fivebar_firmware::protocol::HostCommand;
 use fivebar_firmware::safety::State;
@@ -246,4 +246,53 @@ fn points_that_cannot_be_followed_are_refused_with_their_reason_and_the_third_en
         );
         assert_eq!(driven.status().fault, None);
     }
+}
+
+/// Behind an adapter that collects what a computer sends, or a program that stalls, 20 points come without a pause: more bytes
+/// than the receiver's ring holds, and faster than the planner follows them.
+#[test]
+fn points_that_come_in_bursts_are_all_followed() {
+    const PERIOD: u16 = 20;
+    const BURST: u16 = 20;
+    const BURSTS: u16 = 15;
+    let [x, y] = robot().best_point().expect("a point");
+    let arm = arm_at([x as f32, y as f32], MILLISECOND);
+    let mut driven = Bench::of(arm, Options::default(), Vec::new()).ready();
+    driven.arm();
+    let config = StreamConfig {
+        id: 7,
+        mode: StreamMode::Tip,
+        period: PERIOD,
+        delay: 26 * PERIOD,
+        policy: StreamPolicy::Stop,
+    };
+    let begun = driven.client.command(HostCommand::BeginStream(config));
+    begun.expect("an answer").expect("a stream");
+    let status = driven.status();
+    let [x, y] = status.reference.expect("the tool's place");
+    let first = status.tick + 120;
+    for n in 0..BURST * BURSTS {
+        if n % BURST == 0 && n > 0 {
+            driven.run(u64::from(BURST * PERIOD) * MILLISECOND / 10);
+        }
+        let share = f32::from(n) / f32::from(BURST * BURSTS - 1);
+        let way = 0.02 * share * share * (3.0 - 2.0 * share);
+        let speed = 0.12 * share * (1.0 - share) * 500.0 / f32::from(BURST * BURSTS - 1);
+        let point = StreamPoint {
+            id: 7,
+            due: first + u32::from(PERIOD) * u32::from(n),
+            position: (x + way, y),
+            velocity: (speed, 0.0),
+            force: (0.0, 0.0),
+        };
+        driven.client.send_point(n, &point).expect("the line");
+    }
+    let ended = driven.client.command(HostCommand::EndStream);
+    ended.expect("an answer").expect("the end");
+    driven.run(100 * MILLISECOND);
+    driven.status();
+    let states = core::iter::from_fn(|| driven.client.take_stream_state());
+    let last = states.last().expect("a state").progress;
+    assert_eq!(last.last, Some(BURST * BURSTS - 1), "{last:?}");
+    assert_eq!([last.late, last.lost, last.refused], [0; 3], "{last:?}");
 }

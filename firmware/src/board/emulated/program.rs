@@ -20,7 +20,7 @@ mod app {
     use fivebar_firmware::drives::DriveInterface;
     use fivebar_firmware::planner::Planner;
     use fivebar_firmware::protocol::{Decoder, HostMessage, Identity, Reset};
-    use fivebar_firmware::session::{self, Session};
+    use fivebar_firmware::session::{self, Session, WAITING};
     use fivebar_firmware::{ArmController, Settings};
     use heapless::spsc::{Consumer, Producer, Queue};
 
@@ -47,7 +47,7 @@ mod app {
 
     #[init(local = [
         buffers: serial::Buffers = serial::Buffers::new(),
-        queue: Queue<Message, 4> = Queue::new(),
+        queue: Queue<Message, WAITING> = Queue::new(),
         controllers: [Place<Drives>; 2] = [const { Place::uninit() }; 2],
         place_of_planner: Planner = Planner::NONE,
         place_of_session: MaybeUninit<Session> = MaybeUninit::uninit(),

@@ -19,7 +19,7 @@ macro_rules! rp2350_image {
             use $crate::drives::BlindStepDrives;
             use $crate::planner::Planner;
             use $crate::protocol::HostMessage;
-            use $crate::session::Session;
+            use $crate::session::{Session, WAITING};
 
             #[shared]
             struct Shared {
@@ -36,7 +36,7 @@ macro_rules! rp2350_image {
             }
 
             #[init(local = [
-                queues: [Queue<HostMessage, 4>; 2] = [const { Queue::new() }; 2],
+                queues: [Queue<HostMessage, WAITING>; 2] = [const { Queue::new() }; 2],
                 usb_bus: usb::Place = usb::Place::uninit(),
                 usb_waiting: usb::Waiting = usb::Waiting::new(),
                 controllers: [Place<BlindStepDrives>; 2] = [const { Place::uninit() }; 2],

@@ -16,7 +16,7 @@ use crate::board::stored;
 use crate::drives::BlindStepDrives;
 use crate::planner::Planner;
 use crate::protocol::{Decoder, HostMessage, Identity};
-use crate::session::{self, Board, Session, fault_at_start};
+use crate::session::{self, Board, Session, WAITING, fault_at_start};
 use crate::{ArmSample, ToldSample};
 
 use core::mem::MaybeUninit;
@@ -25,7 +25,7 @@ use heapless::spsc::{Producer, Queue};
 /// Where what lasts as long as the program is put.
 #[allow(missing_docs, reason = "each is named after what is put there")]
 pub struct Places {
-    pub queues: &'static mut [Queue<HostMessage, 4>; 2],
+    pub queues: &'static mut [Queue<HostMessage, WAITING>; 2],
     pub usb: &'static mut usb::Place,
     pub usb_waiting: &'static mut usb::Waiting,
     pub controllers: &'static mut [Place<BlindStepDrives>; 2],

@@ -26,7 +26,7 @@ macro_rules! image {
             use $crate::board::stm32f405::serial::{Buffers, Receiver};
             use $crate::planner::Planner;
             use $crate::protocol::{Decoder, HostMessage};
-            use $crate::session::Session;
+            use $crate::session::{Session, WAITING};
 
             #[shared]
             struct Shared {
@@ -44,7 +44,7 @@ macro_rules! image {
 
             #[init(local = [
                 buffers: Buffers = Buffers::new(),
-                queue: Queue<HostMessage, 4> = Queue::new(),
+                queue: Queue<HostMessage, WAITING> = Queue::new(),
                 controllers: [Place<<$parts as Parts>::Drives>; 2] = [const { Place::uninit() }; 2],
                 planner: Planner = Planner::NONE,
                 session: MaybeUninit<Session> = MaybeUninit::uninit(),

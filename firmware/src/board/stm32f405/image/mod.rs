@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | those of the drives alone: the break inputs | 4 | none: the outputs are off before they run |
 //! | `tick`: sensor sample in, actuator command out | 3 | the next tick; misses are counted |
-//! | `receive`: from bytes to commands | 2 | the ring buffer's 5 ms |
+//! | `receive`: from bytes to commands, where the line is idle and when `converse` asks | 2 | the ring buffer's 5 ms |
 //! | `converse`: session, planner, telemetry, log, watchdog | idle | the watchdog's 50 ms |
 //!
 //! A kind of drive is a folder beside this one. It implements [`Parts`], and its `image.rs` names what

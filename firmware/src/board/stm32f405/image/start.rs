@@ -14,7 +14,7 @@ use crate::board::stm32f405::{brown_out, halt, pins, post_mortem, serial, tool};
 use crate::board::stored;
 use crate::planner::Planner;
 use crate::protocol::{HostMessage, Identity};
-use crate::session::{self, Board, Session, fault_at_start};
+use crate::session::{self, Board, Session, WAITING, fault_at_start};
 use crate::{ArmController, ArmSample};
 use core::mem::MaybeUninit;
 use core::sync::atomic::Ordering;
@@ -39,7 +39,7 @@ pub struct CommonPeripherals {
 #[allow(missing_docs, reason = "each is named after what is put there")]
 pub struct Places<P: Parts> {
     pub buffers: &'static mut serial::Buffers,
-    pub queue: &'static mut Queue<HostMessage, 4>,
+    pub queue: &'static mut Queue<HostMessage, WAITING>,
     pub controllers: &'static mut [Place<P::Drives>; 2],
     pub planner: &'static mut Planner,
     pub session: &'static mut MaybeUninit<Session>,

@@ -16,9 +16,10 @@ use crate::protocol::{Decoder, HostCommand, HostMessage};
 use crate::session::Session;
 use crate::{ArmController, Request};
 use core::sync::atomic::Ordering;
-use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::{NVIC, SYST};
 use heapless::spsc::{Consumer, Producer};
 use rtic_core::Mutex;
+use stm32f4xx_hal::pac::Interrupt;
 
 /// The control tick.
 #[inline(always)]
@@ -93,6 +94,8 @@ impl<P: Parts> Idle<P> {
         };
         let controller = &mut shared;
         loop {
+            // The line's interrupt comes when the line is idle. This one looks also while bytes come without a pause.
+            NVIC::pend(Interrupt::USART1);
             if let Some(message) = self.commands.dequeue() {
                 self.services.sample = controller.lock.lock(|locked| {
                     let sample = &locked.sample;
