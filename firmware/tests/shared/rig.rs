@@ -9,6 +9,7 @@
 
 use fivebar_firmware::controller::{Controller, Request};
 use fivebar_firmware::drives::{BrushedCommand, BrushedSample};
+use fivebar_firmware::motion::StreamPoint;
 use fivebar_firmware::planner::{MoveError, Planner};
 use fivebar_firmware::safety::State;
 use fivebar_firmware::settings::{AxisSettings, ControlSettings, ProtectionSettings, Settings};
@@ -306,6 +307,15 @@ impl Rig {
             interrupted.controller.feed_host_timeout();
             self.planner.run(&mut interrupted);
         }
+    }
+
+    /// Gives the planner a point of a stream, with a tick before each of its accesses to the controller.
+    pub(crate) fn take_point_interrupted(&mut self, n: u16, point: &StreamPoint) {
+        let mut interrupted = Interrupted {
+            controller: &mut self.controller,
+            bench: &mut self.bench,
+        };
+        self.planner.take_point(&mut interrupted, n, point);
     }
 
     /// Gives the planner a move with the tool down.

@@ -174,3 +174,19 @@ fn the_lag_is_the_delay_in_both_modes_and_for_every_period() {
         );
     }
 }
+
+/// The first point is reached when it is due, though ticks pass while its piece is made: the next one may be due a tick later.
+#[test]
+fn the_first_point_is_reached_when_it_is_due() {
+    let mut stream = Streaming::begin(StreamMode::Tip, DELAY);
+    let motion = sine(stream.rig.tool_position());
+    let (n, first) = stream.point(&motion, 0);
+    stream.rig.take_point_interrupted(n, &first);
+    let passed = stream.rig.controller.ticks() - stream.begun;
+    assert!(passed > 3, "{passed} ticks");
+    let (n, mut next) = stream.point(&motion, 0);
+    next.due = first.due + 1;
+    stream.give((n, next));
+    let progress = stream.progress();
+    assert_eq!((progress.last, progress.reason), (Some(n), None));
+}

@@ -131,21 +131,23 @@ impl Planner {
             ticks,
         };
         let (piece, kept_from) = self.piece_towards(stream, &way, (n, point), now)?;
-        let duration = rests as f32 * (1.0 / self.tick_rate);
+        let lasts = |ticks: u32| ticks as f32 * (1.0 / self.tick_rate);
         let rest = queued(
-            &TrajectorySegment::rest(position, duration, n.into()),
+            &TrajectorySegment::rest(position, lasts(rests), n.into()),
             false,
         );
         let begun = controller
             .lock(|controller| controller.begin_stream_path(stream.path_generation, &rest));
         let [begins, segments] = begun.ok_or(StreamReason::Late)?;
+        // Ticks that have passed while the piece was made shorten the rest, so that the point is reached when it is due.
+        let rests = from.tick.wrapping_sub(begins);
+        if rests as i32 <= 0 {
+            return Err(StreamReason::Late);
+        }
         let start = Start {
-            from: StreamEnd {
-                tick: begins.wrapping_add(rests),
-                ..from
-            },
+            from,
             last: segments,
-            ends_after: Some(duration),
+            ends_after: Some(lasts(rests)),
         };
         self.splice(controller, stream, &start, &piece)?;
         kept_from.map_or(Ok(()), Err)
