@@ -12,7 +12,7 @@
 use super::ArmController;
 use super::model::AxisModel;
 use super::setpoint_history::{Belted, small_angle};
-use super::tracking::add_tool_friction;
+use super::tracking::add_torques_of_path;
 use crate::drives::Drives;
 use crate::safety::Fault;
 use fivebar_kinematics::control::BeltState;
@@ -114,7 +114,7 @@ impl<D: Drives> ArmController<D> {
             torque4 + axis4.friction.torque(omega4d),
         ];
         let (drives, path) = (&self.drives, &self.path);
-        add_tool_friction(&mut forward, drives, path, &links, setpoint.omega);
+        add_torques_of_path(&mut forward, drives, path, &links, setpoint.omega);
         let [alpha1d, alpha4d] = setpoint.alpha;
         let leads = [
             law1.lead(forward[0] - rotor1 * alpha1d),

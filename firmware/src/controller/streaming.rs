@@ -3,7 +3,7 @@
 
 use super::path::Change;
 use super::{ArmController, QUEUED_SEGMENTS, QueuedSegment};
-use crate::drives::Drives;
+use crate::drives::{Drives, Needs};
 use crate::safety::{Fault, State};
 
 /// How a path goes on in place of its stop.
@@ -39,6 +39,11 @@ impl<D: Drives> ArmController<D> {
             && self.waking == 0
             && self.path.free() == QUEUED_SEGMENTS
             && self.brake.lets_move()
+    }
+
+    /// Whether the motors give torques: those of steppers and servos follow a motion.
+    pub(crate) fn gives_torque(&self) -> bool {
+        D::NEEDS == Needs::Torque
     }
 
     /// Begins a path with a rest. Returns the tick of its beginning and the number of segments ever pushed; none if the arm is

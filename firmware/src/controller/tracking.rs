@@ -87,7 +87,7 @@ impl<D: Drives> ArmController<D> {
             torque4 + axis4.friction.torque(omega4d),
         ];
         let (drives, path) = (&self.drives, &self.path);
-        add_tool_friction(&mut demanded, drives, path, &links, [omega1d, omega4d]);
+        add_torques_of_path(&mut demanded, drives, path, &links, [omega1d, omega4d]);
         let (torque, limited) = self.model.torque_limit.apply(demanded);
         if let Needs::Torque = D::NEEDS {
             loop1.integrate(&mut joint1.integral, error1, limited);
@@ -178,15 +178,19 @@ impl<D: Drives> ArmController<D> {
     }
 }
 
-/// Adds the torques that overcome the friction of a tool that is on, at these demanded velocities of the joints [rad/s].
+/// Adds the torques that overcome the friction of a tool that is on, at these demanded velocities of the joints [rad/s], and those
+/// that a host adds.
 #[inline(always)]
-pub(super) fn add_tool_friction<D: Drives>(
+pub(super) fn add_torques_of_path<D: Drives>(
     [torque1, torque4]: &mut [f32; 2],
     drives: &D,
     path: &Path,
     links: &Links<f32>,
     omega: [f32; 2],
 ) {
+    let [extra1, extra4] = path.extra_torque();
+    *torque1 += extra1;
+    *torque4 += extra4;
     if let Some(friction) = drives.tool_friction()
         && !path.tool_is_off()
     {

@@ -74,11 +74,19 @@ pub struct StreamPoint {
     pub position: (f32, f32),
     /// Its velocity [rad/s or m/s].
     pub velocity: (f32, f32),
-    /// A force on the tool in the frame of the base [N]; 0 except with an impedance.
+    /// A force on the tool in the frame of the base [N], in the mode Joint torques on the joints [N·m]: what the motors give besides
+    /// those of the motion. In the modes Joint and Tip it passes evenly from one point's to the next's, and NaN is 0.
     pub force: (f32, f32),
 }
 
 impl StreamPoint {
+    /// With the force of the model alone where it says none.
+    pub(crate) fn with_known_force(self) -> Self {
+        let known = |force: f32| if force.is_nan() { 0.0 } else { force };
+        let force = (known(self.force.0), known(self.force.1));
+        Self { force, ..self }
+    }
+
     /// Whether all its numbers are finite.
     pub(crate) fn is_finite(&self) -> bool {
         [self.position, self.velocity, self.force]

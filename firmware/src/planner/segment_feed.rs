@@ -1,7 +1,7 @@
 //! How the planner hands trajectory segments to the controller: as many as a stop needs.
 
 use super::Planner;
-use crate::controller::{ArmController, QUEUED_SEGMENTS, QueuedSegment};
+use crate::controller::{ArmController, ExtraTorque, QUEUED_SEGMENTS, QueuedSegment};
 use crate::drives::Drives;
 use crate::safety::{Limits, State};
 use fivebar_kinematics::Scalar;
@@ -46,6 +46,7 @@ impl Planner {
                 segment,
                 open: ends_in_motion(&segment),
                 limits: Limits::empty().with(Limits::SPEED, slowed),
+                extra: ExtraTorque::ZERO,
             };
             let generation = self.path_generation;
             controller.lock(|controller| controller.extend_path(generation, &queued));

@@ -6,7 +6,7 @@
 
 use super::segment_feed::ends_in_motion;
 use super::{End, MoveError, MoveErrorKind, Planner};
-use crate::controller::{ArmController, PlanningSnapshot, QueuedSegment};
+use crate::controller::{ArmController, ExtraTorque, PlanningSnapshot, QueuedSegment};
 use crate::drives::Drives;
 use crate::motion::{Move, TimedMove};
 use crate::safety::Limits;
@@ -58,6 +58,7 @@ impl Planner {
                 segment,
                 open,
                 limits: Limits::empty(),
+                extra: ExtraTorque::ZERO,
             };
             controller.lock(|controller| controller.extend_path(snapshot.path_generation, &queued));
         };

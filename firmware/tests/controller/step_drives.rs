@@ -2,8 +2,10 @@
 
 use fivebar_firmware::controller::{ArmController, Request};
 use fivebar_firmware::drives::{Resolution, StepDrives, StepSample};
+use fivebar_firmware::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
+use fivebar_firmware::planner::StreamReason;
 use fivebar_firmware::safety::{Fault, State};
-use fivebar_firmware::{ArmCommand, ArmSample, Settings};
+use fivebar_firmware::{ArmCommand, ArmSample, Planner, Settings};
 
 /// As many micro-steps in a turn as the encoder has counts.
 const RESOLUTION: Resolution = Resolution {
@@ -55,4 +57,50 @@ fn steps_that_are_lost_switch_both_motors_off_in_their_tick() {
     assert_eq!((command.enable, command.drives.steps), ([false; 2], [0; 2]));
     assert!(command.brake);
     assert!(made[0] != 0 && made[1] != 0, "both searched");
+}
+
+#[test]
+fn steppers_give_no_force_of_a_point() {
+    let settings = Settings::BENCHTOP.check().expect("valid settings");
+    let mut controller = ArmController::<StepDrives>::new(&settings);
+    let mut made = [0_i32; 2];
+    let mut run = |controller: &mut ArmController<StepDrives>, ticks| {
+        for _ in 0..ticks {
+            controller.feed_host_timeout();
+            let command: ArmCommand<_> = controller.tick(&sample(made, 0));
+            for (made, steps) in made.iter_mut().zip(command.drives.steps) {
+                *made += steps;
+            }
+        }
+    };
+    run(&mut controller, 1);
+    let angles = [2.6, 0.55];
+    for request in [Request::SetAngles(angles), Request::Arm] {
+        controller.request(request).expect("accepted");
+        run(&mut controller, 20_000);
+    }
+    assert_eq!(controller.state(), State::Armed);
+    let mut planner = Planner::new(&settings);
+    let config = StreamConfig {
+        id: 4,
+        mode: StreamMode::Joint,
+        period: 100,
+        delay: 200,
+        policy: StreamPolicy::Stop,
+    };
+    assert_eq!(planner.begin_stream(&mut controller, &config), Ok(()));
+    for (n, torque, last) in [(1, 0.1, None), (2, 0.0, Some(2))] {
+        let [theta1, theta4] = controller.status().angle;
+        let point = StreamPoint {
+            id: 4,
+            due: controller.ticks() + 200,
+            position: (theta1, theta4),
+            velocity: (0.0, 0.0),
+            force: (0.0, torque),
+        };
+        planner.take_point(&mut controller, n, &point);
+        let progress = planner.stream().expect("a stream");
+        assert_eq!(progress.last, last);
+        assert_eq!(progress.reason, Some(StreamReason::Force));
+    }
 }

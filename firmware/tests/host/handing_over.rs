@@ -2,7 +2,7 @@
 
 use crate::desk::Desk;
 use crate::rig::{Rig, START, settings};
-use fivebar_firmware::controller::{Excitation, Excited, QueuedSegment, Request};
+use fivebar_firmware::controller::{Excitation, Excited, ExtraTorque, QueuedSegment, Request};
 use fivebar_firmware::protocol::{
     Board, CommandError, HostCommand, Identity, Reply, Reset, Section, VERSION,
 };
@@ -37,6 +37,7 @@ fn dwell() -> QueuedSegment {
         segment: TrajectorySegment::rest(Vector2::new(0.04, 0.2), 1.0, 5),
         open: false,
         limits: Limits::empty(),
+        extra: ExtraTorque::ZERO,
     }
 }
 

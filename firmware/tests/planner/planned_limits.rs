@@ -1,7 +1,7 @@
 //! Each limit of a planned path by itself.
 
 use crate::rig::{Rig, START, settings, with};
-use fivebar_firmware::controller::{QueuedSegment, Request};
+use fivebar_firmware::controller::{ExtraTorque, QueuedSegment, Request};
 use fivebar_firmware::planner::MoveErrorKind;
 use fivebar_firmware::safety::{Fault, Limits, State};
 use fivebar_firmware::{Move, MoveKind, Planner};
@@ -30,6 +30,7 @@ fn an_arm_that_stops_takes_neither_moves_nor_segments() {
         segment: TrajectorySegment::rest(Vector2::new(0.04, 0.2), 1.0, 5),
         open: false,
         limits: Limits::empty(),
+        extra: ExtraTorque::ZERO,
     };
     rig.controller.extend_path(before.path_generation, &queued);
     let after = rig.controller.planning_snapshot();

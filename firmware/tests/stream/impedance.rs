@@ -503,29 +503,3 @@ fn silence_a_stop_and_the_end_damp_the_arm_and_hold_it_and_an_emergency_stop_swi
     let fault = felt.rig.controller.fault().map(|snapshot| snapshot.fault);
     assert_eq!(fault, Some(Fault::EmergencyStop));
 }
-
-#[test]
-fn forces_of_points_are_refused_in_other_modes() {
-    let mut rig = Rig::armed(&settings());
-    let config = StreamConfig {
-        mode: StreamMode::Tip,
-        ..config(soft(0.0, 0.0))
-    };
-    rig.planner
-        .begin_stream(&mut rig.controller, &config)
-        .unwrap();
-    let [x, y] = rig.tool_position();
-    let point = StreamPoint {
-        id: ID,
-        due: rig.controller.ticks() + 200,
-        position: (x, y),
-        velocity: (0.0, 0.0),
-        force: (0.1, 0.0),
-    };
-    rig.planner.take_point(&mut rig.controller, 1, &point);
-    let progress = rig.planner.stream().unwrap();
-    assert_eq!(
-        (progress.refused, progress.reason),
-        (1, Some(StreamReason::Force))
-    );
-}

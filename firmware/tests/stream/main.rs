@@ -7,6 +7,7 @@ mod host;
 
 mod cases;
 mod following;
+mod forces;
 mod free;
 mod impedance;
 mod limits;

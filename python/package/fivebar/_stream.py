@@ -71,10 +71,18 @@ class Stream:
         self._joints: Optional[bool] = None
 
     def tip(
-        self, x: float, y: float, vx: Optional[float] = None, vy: Optional[float] = None
+        self,
+        x: float,
+        y: float,
+        vx: Optional[float] = None,
+        vy: Optional[float] = None,
+        *,
+        force: Tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        """The tip is at (x, y) [m] with this velocity [m/s]; by default that of the points beside."""
-        self._give(False, (x, y), (vx, vy))
+        """The tip is at (x, y) [m] with this velocity [m/s]; by default that of the points beside. It presses with a force [N]
+        besides what the motion needs, which passes evenly from one point's to the next's; only motors that give a torque do.
+        """
+        self._give(False, (x, y), (vx, vy), force)
 
     def joint(
         self,
@@ -82,9 +90,13 @@ class Stream:
         theta4: float,
         omega1: Optional[float] = None,
         omega4: Optional[float] = None,
+        *,
+        torque: Tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        """The joints are at these angles [rad] with these velocities [rad/s]; by default those of the points beside."""
-        self._give(True, (theta1, theta4), (omega1, omega4))
+        """The joints are at these angles [rad] with these velocities [rad/s]; by default those of the points beside. The motors
+        give these torques [N m] besides, as :meth:`tip` does its force.
+        """
+        self._give(True, (theta1, theta4), (omega1, omega4), torque)
 
     @property
     def state(self) -> Optional[StreamState]:
@@ -115,13 +127,14 @@ class Stream:
             repeat((None, None)) if velocities is None else velocities
         )
         for point, rate in zip(points, rates):
-            self._give(joints, (point[0], point[1]), (rate[0], rate[1]))
+            self._give(joints, (point[0], point[1]), (rate[0], rate[1]), (0.0, 0.0))
 
     def _give(
         self,
         joints: bool,
         position: Tuple[float, float],
         velocity: Tuple[Optional[float], Optional[float]],
+        force: Tuple[float, float],
     ) -> None:
         first, second = velocity
         if (first is None) != (second is None):
@@ -135,7 +148,7 @@ class Stream:
         self._connection.stream_point(
             _floats("position", position),
             None if rates is None else _floats("velocity", rates),
-            [0.0, 0.0],
+            _floats("force" if not joints else "torque", force),
         )
         self._count(monotonic())
 
@@ -190,10 +203,16 @@ class AsyncStream:
         return self._stream.state
 
     async def tip(
-        self, x: float, y: float, vx: Optional[float] = None, vy: Optional[float] = None
+        self,
+        x: float,
+        y: float,
+        vx: Optional[float] = None,
+        vy: Optional[float] = None,
+        *,
+        force: Tuple[float, float] = (0.0, 0.0),
     ) -> None:
         """As :meth:`Stream.tip`."""
-        await to_thread(self._stream.tip, x, y, vx, vy)
+        await to_thread(self._stream.tip, x, y, vx, vy, force=force)
 
     async def joint(
         self,
@@ -201,9 +220,11 @@ class AsyncStream:
         theta4: float,
         omega1: Optional[float] = None,
         omega4: Optional[float] = None,
+        *,
+        torque: Tuple[float, float] = (0.0, 0.0),
     ) -> None:
         """As :meth:`Stream.joint`."""
-        await to_thread(self._stream.joint, theta1, theta4, omega1, omega4)
+        await to_thread(self._stream.joint, theta1, theta4, omega1, omega4, torque=torque)
 
 
 def _floats(name: str, values: Tuple[float, float]) -> List[float]:

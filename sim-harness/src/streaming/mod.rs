@@ -42,7 +42,7 @@ pub struct SetPoint {
     pub position: [f64; 2],
     /// Its velocity [rad/s or m/s]; none: by the points before and behind it.
     pub velocity: Option<[f64; 2]>,
-    /// A force on the tool [N]; 0 but with an impedance.
+    /// A force of the tool on what it touches [N], or torques of the joints [N·m]: what the motors give besides those of the motion.
     pub force: [f64; 2],
 }
 
@@ -131,7 +131,7 @@ impl Streamer {
         let velocity = point
             .velocity
             .unwrap_or_else(|| slope(before, next.position, twice));
-        Some(self.make(point.position, velocity, tick))
+        Some(self.make(&point, velocity, tick))
     }
 
     /// The last point, which waits for none behind it.
@@ -141,7 +141,7 @@ impl Streamer {
         let velocity = point
             .velocity
             .unwrap_or_else(|| slope(before, point.position, self.period()));
-        Some(self.make(point.position, velocity, tick))
+        Some(self.make(&point, velocity, tick))
     }
 
     /// Goes on from this place at rest [rad or m], where the arm is after a pause of the program, in this tick.
@@ -150,8 +150,8 @@ impl Streamer {
         self.approach = Some(Approach::from(rest));
     }
 
-    fn make(&mut self, position: [f64; 2], velocity: [f64; 2], tick: u32) -> (u16, StreamPoint) {
-        let period = self.period();
+    fn make(&mut self, given: &SetPoint, velocity: [f64; 2], tick: u32) -> (u16, StreamPoint) {
+        let (period, position) = (self.period(), given.position);
         let (position, velocity) = match &mut self.approach {
             None => (position, velocity),
             Some(approach) => {
@@ -173,7 +173,7 @@ impl Streamer {
                 .map(|k| (position[k] + later * velocity[k]) as f32)
                 .into(),
             velocity: velocity.map(|value| value as f32).into(),
-            force: (0.0, 0.0),
+            force: given.force.map(|value| value as f32).into(),
         };
         (self.n, point)
     }

@@ -40,6 +40,32 @@ pub struct QueuedSegment {
     pub open: bool,
     /// The limits that slow its move below the requested speed.
     pub limits: Limits,
+    /// What the motors give besides the torques of the motion.
+    pub extra: ExtraTorque,
+}
+
+/// Torques that a host adds along a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExtraTorque {
+    /// At its beginning [N·m].
+    pub begin: [f32; 2],
+    /// Their change [N·m/s].
+    pub rate: [f32; 2],
+}
+
+impl ExtraTorque {
+    /// None.
+    pub const ZERO: Self = Self {
+        begin: [0.0; 2],
+        rate: [0.0; 2],
+    };
+
+    /// So long after the beginning of the segment [s].
+    #[inline(always)]
+    fn at(&self, time: f32) -> [f32; 2] {
+        let ([begin1, begin4], [rate1, rate4]) = (self.begin, self.rate);
+        [begin1 + time * rate1, begin4 + time * rate4]
+    }
 }
 
 /// The queue and the time in its first segment. What every tick needs comes first, see
@@ -63,6 +89,8 @@ pub(crate) struct Path {
     least: f32,
     /// [s].
     period: f32,
+    /// What the motors give besides the torques of the motion [N·m].
+    extra: [f32; 2],
     output: PathOutput,
     queue: PathQueue,
 }
@@ -95,6 +123,7 @@ impl Path {
             stopping_time,
             least: 0.5 * stopping_time + (2 + REACTION) as f32 * period,
             period,
+            extra: [0.0; 2],
             ticks: 0,
             offset: 0.0,
             committed_left: 0.0,
@@ -121,8 +150,15 @@ impl Path {
         self.ticks = 0;
         self.offset = 0.0;
         self.committed_left = 0.0;
+        self.extra = [0.0; 2];
         self.brake = None;
         self.queue.finish();
+    }
+
+    /// What the motors give besides the torques of the motion [N·m].
+    #[inline(always)]
+    pub(crate) fn extra_torque(&self) -> [f32; 2] {
+        self.extra
     }
 
     /// The output of the tool.
@@ -245,6 +281,7 @@ impl Path {
     #[cold]
     pub(crate) fn brake(&mut self) {
         self.output.switch_off();
+        self.extra = [0.0; 2];
         if self.brake.is_none() {
             let mut time = self.stopping_time;
             if self.queue.ends_in_motion() {
@@ -284,8 +321,11 @@ impl Path {
             let segment = &first.queued.segment;
             self.committed_left = segment.duration() - time + self.queue.behind(first);
             let path_state = segment.path_state(time);
+            // The host's torques wait for some ticks where the tool's output changes: a tick does one of both.
             if self.output.is_busy() {
                 self.output.step(segment.tool_output(), path_state.s_dot);
+            } else {
+                self.extra = first.queued.extra.at(time);
             }
             (at_rest(path_state, ended), ended)
         };

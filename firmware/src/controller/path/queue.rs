@@ -6,7 +6,7 @@
 //!
 //! The tick does not see a pushed segment before it is committed.
 
-use super::QueuedSegment;
+use super::{ExtraTorque, QueuedSegment};
 use crate::safety::Limits;
 use fivebar_kinematics::trajectory::TrajectorySegment;
 
@@ -67,6 +67,7 @@ impl PathQueue {
             segment: TrajectorySegment::NONE,
             open: false,
             limits: Limits::empty(),
+            extra: ExtraTorque::ZERO,
         };
         let start = Extent {
             count: 0,
@@ -180,6 +181,7 @@ impl PathQueue {
         slot.queued.segment.copy_from(&queued.segment);
         slot.queued.open = queued.open;
         slot.queued.limits = queued.limits;
+        slot.queued.extra = queued.extra;
         slot.changes_tool = changes_tool;
         slot.end = self.pushed.end;
     }
@@ -204,6 +206,7 @@ impl PathQueue {
             slot.queued.segment.copy_from(&queued.segment);
             slot.queued.open = queued.open;
             slot.queued.limits = queued.limits;
+            slot.queued.extra = queued.extra;
             slot.changes_tool = false;
             slot.end = begins.wrapping_add(microseconds(queued.segment.duration()));
         }
@@ -223,6 +226,7 @@ impl PathQueue {
                     last.queued.segment.copy_from(&queued.segment);
                     last.queued.open = queued.open;
                     last.queued.limits = queued.limits;
+                    last.queued.extra = queued.extra;
                 }
             }
             last.end = begins.wrapping_add(microseconds(last.queued.segment.duration()));
@@ -293,6 +297,7 @@ mod tests {
             segment: TrajectorySegment::rest(Vector2::zeros(), duration, 0),
             open: false,
             limits: Limits::empty(),
+            extra: ExtraTorque::ZERO,
         }
     }
 

@@ -27,6 +27,7 @@ fn queued(segment: TrajectorySegment<f32>) -> QueuedSegment {
         segment,
         open: false,
         limits: Limits::empty(),
+        extra: ExtraTorque::ZERO,
     }
 }
 

@@ -14,7 +14,7 @@ mod start;
 mod touch;
 
 use super::{Planner, PlanningSnapshot};
-use crate::controller::{ArmController, Change, QueuedSegment, Splice};
+use crate::controller::{ArmController, Change, ExtraTorque, QueuedSegment, Splice};
 use crate::drives::Drives;
 use crate::motion::{StreamConfig, StreamMode, StreamPoint, StreamPolicy};
 use crate::safety::Limits;
@@ -68,6 +68,8 @@ struct StreamEnd {
     tool: ToolMotion<f32>,
     /// θ1, θ4 [rad].
     angles: [f32; 2],
+    /// What the host adds to the torques there [N·m].
+    torque: [f32; 2],
     /// What follows if no other piece does.
     stop: TrajectorySegment<f32>,
 }
@@ -293,10 +295,11 @@ impl Planner {
         (n, point): (u16, &StreamPoint),
         now: u32,
     ) -> Result<(), StreamReason> {
+        let point = &point.with_known_force();
         if !point.is_finite() {
             return Err(StreamReason::Number);
         }
-        if point.force != (0.0, 0.0) {
+        if point.force != (0.0, 0.0) && !controller.lock(|controller| controller.gives_torque()) {
             return Err(StreamReason::Force);
         }
         let ahead = point.due.wrapping_sub(now) as i32;
@@ -338,7 +341,8 @@ impl Planner {
         start: &Start,
         piece: &Piece,
     ) -> Result<(), StreamReason> {
-        let (motion, stop) = (queued(&piece.motion, true), queued(&piece.stop, false));
+        let motion = queued(&piece.motion, true, start.from.torque, piece.torque);
+        let stop = queued(&piece.stop, false, piece.torque, [0.0; 2]);
         let duration = piece.motion.duration();
         let mut store = |n, segment: &QueuedSegment, after| {
             controller.lock(|controller| controller.store_for_splice(n, segment, after));
@@ -371,6 +375,7 @@ impl Planner {
             segments,
             tool: piece.tool,
             angles: piece.angles,
+            torque: piece.torque,
             stop: piece.stop,
         });
         Ok(())
@@ -393,10 +398,25 @@ impl Planner {
     }
 }
 
-fn queued(segment: &TrajectorySegment<f32>, open: bool) -> QueuedSegment {
+/// A segment along which the host's torques pass from the first to the second [N·m].
+fn queued(
+    segment: &TrajectorySegment<f32>,
+    open: bool,
+    begin: [f32; 2],
+    end: [f32; 2],
+) -> QueuedSegment {
+    let ([begin1, begin4], [end1, end4]) = (begin, end);
+    let per_duration = 1.0 / segment.duration();
     QueuedSegment {
         segment: *segment,
         open,
         limits: Limits::empty(),
+        extra: ExtraTorque {
+            begin,
+            rate: [
+                (end1 - begin1) * per_duration,
+                (end4 - begin4) * per_duration,
+            ],
+        },
     }
 }

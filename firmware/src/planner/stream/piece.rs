@@ -5,7 +5,7 @@ use crate::planner::check::near;
 use crate::planner::{MoveErrorKind, Planner};
 use fivebar_kinematics::five_bar::PoseError;
 use fivebar_kinematics::trajectory::{
-    ConstraintViolation, StopStart, ToolMotion, TrajectorySegment,
+    ConstraintViolation, Envelope, StopStart, ToolMotion, TrajectorySegment,
 };
 use fivebar_kinematics::{PlanarVector, Scalar};
 use nalgebra::Vector2;
@@ -28,6 +28,8 @@ pub(super) struct Piece {
     pub(super) tool: ToolMotion<f32>,
     /// θ1, θ4 there [rad].
     pub(super) angles: [f32; 2],
+    /// What the host adds to the torques there [N·m].
+    pub(super) torque: [f32; 2],
 }
 
 impl Planner {
@@ -54,7 +56,8 @@ impl Planner {
         let output = self.tool_output.output(self.level, 1.0);
         let duration = period * ticks as f32;
         let motion = TrajectorySegment::between(&from.tool, &tool, duration, n.into(), output);
-        let envelope = self.envelope_of_timed();
+        let torque = self.added_torque(mode, point, &tool)?;
+        let envelope = self.envelope_beside(from.torque, torque);
         envelope
             .check_timed_from(&motion, &self.friction, Some(from.angles))
             .map_err(|error| limit(error.violation))?;
@@ -86,7 +89,38 @@ impl Planner {
             ticks,
             tool,
             angles,
+            torque,
         })
+    }
+
+    /// What a point adds to the torques of the joints [N·m]: τ = Jᵀ f of a force f on the tool [N].
+    fn added_torque(
+        &self,
+        mode: StreamMode,
+        point: &StreamPoint,
+        tool: &ToolMotion<f32>,
+    ) -> Result<[f32; 2], StreamReason> {
+        let (first, second) = point.force;
+        if mode == StreamMode::Joint || point.force == (0.0, 0.0) {
+            return Ok([first, second]);
+        }
+        let workspace = &self.envelope.workspace;
+        let pose = workspace.tool.inverse(tool.position, workspace.mode);
+        let jacobian = workspace.tool.jacobian(&pose.map_err(no_pose)?);
+        Ok(jacobian
+            .map_err(no_pose)?
+            .torques(Vector2::new(first, second)))
+    }
+
+    /// The limits of a motion during which the host's torques pass from the first to the second [N·m]: they leave less for it.
+    fn envelope_beside(&self, [begin1, begin4]: [f32; 2], [end1, end4]: [f32; 2]) -> Envelope<f32> {
+        let mut envelope = self.envelope_of_timed();
+        if let Some(limits) = &mut envelope.torque {
+            let [torque1, torque4] = limits.torque;
+            let most = |begin: f32, end: f32| Scalar::abs(begin).max(Scalar::abs(end));
+            limits.torque = [torque1 - most(begin1, end1), torque4 - most(begin4, end4)];
+        }
+        envelope
     }
 
     /// θ1, θ4 [rad], each in the turn in which it is nearest to another angle, and ω1, ω4 [rad/s] where the tool moves so.

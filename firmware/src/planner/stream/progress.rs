@@ -80,7 +80,7 @@ pub enum StreamReason {
     Limit(MoveErrorKind),
     /// No points came, so an arm that gave way is held.
     Silent,
-    /// The point has a force, which only a stream with an impedance takes.
+    /// The point has a force, and the motors give none: they follow a motion.
     Force,
 }
 
@@ -165,7 +165,9 @@ impl fmt::Display for StreamReason {
             }
             Self::Limit(kind) => return write!(f, "a limit keeps the arm from a point: {kind}"),
             Self::Silent => "no points came, so the arm is held",
-            Self::Force => "a point has a force, which only a stream with an impedance takes",
+            Self::Force => {
+                "a point has a force or torques, and these motors give none: they follow a motion"
+            }
         })
     }
 }

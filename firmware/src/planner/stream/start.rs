@@ -66,11 +66,13 @@ impl Planner {
         };
         let tool = ToolMotion { position, velocity };
         let (angles, _) = self.joint_motion(&tool, end.angles)?;
+        let left = 1.0 - time / end.stop.duration();
         Ok(Start {
             from: StreamEnd {
                 tick,
                 tool,
                 angles,
+                torque: end.torque.map(|torque| torque * left),
                 ..*end
             },
             last: end.segments.wrapping_add(1),
@@ -123,6 +125,7 @@ impl Planner {
                 velocity: Vector2::zeros(),
             },
             angles,
+            torque: [0.0; 2],
             stop: TrajectorySegment::NONE,
         };
         let way = Way {
@@ -135,6 +138,8 @@ impl Planner {
         let rest = queued(
             &TrajectorySegment::rest(position, lasts(rests), n.into()),
             false,
+            [0.0; 2],
+            [0.0; 2],
         );
         let begun = controller
             .lock(|controller| controller.begin_stream_path(stream.path_generation, &rest));
