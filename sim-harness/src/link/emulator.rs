@@ -60,7 +60,7 @@ pub enum EmulatorError {
     Io(#[from] io::Error),
 }
 
-fn built_for(target: &str, name: &str) -> PathBuf {
+pub(crate) fn built_for(target: &str, name: &str) -> PathBuf {
     Path::new(BUILT)
         .join("firmware")
         .join(target)
@@ -72,11 +72,6 @@ impl Emulator {
     /// The path at which `scripts/firmware.sh` leaves the image `name`.
     pub fn built_image(name: &str) -> PathBuf {
         built_for("thumbv7em-none-eabihf", name)
-    }
-
-    /// The path at which `scripts/pico.sh` leaves it.
-    pub fn built_pico_image(name: &str) -> PathBuf {
-        built_for("thumbv8m.main-none-eabihf", name)
     }
 
     /// The likely cause if a board with this image gives other outputs than this program,

@@ -1,0 +1,182 @@
+//! What a host knows of each board: what it is called, what its controller drives, whose clock gives its ticks, and its image. This
+//! is the one table: pages and commands ask it and name no board.
+
+use crate::link::built_for;
+use crate::machine::Machine;
+use fivebar_files::robot::DriveKind;
+use fivebar_firmware::protocol::Board;
+use std::path::PathBuf;
+
+/// A board.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts {
+    /// What messages call it.
+    name: &'static str,
+    /// What its controller drives; none if it is compiled for whatever this program asks for.
+    pub drives: Option<DriveKind>,
+    /// Who gives its ticks.
+    pub ticks: Ticks,
+}
+
+/// Who gives a board's ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ticks {
+    /// The board.
+    Own,
+    /// The host, in lockstep.
+    Host,
+    /// Either of both, as the host chooses.
+    Either,
+}
+
+/// An image for a board with motors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoardImage {
+    /// What the file is called.
+    pub name: &'static str,
+    /// What it says of itself.
+    pub board: Board,
+    /// The drives.
+    pub drives: DriveKind,
+    /// What runs it.
+    pub chip: Chip,
+}
+
+/// What runs images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Chip {
+    /// What its users call it in answers.
+    pub name: &'static str,
+    /// What sentences call it.
+    pub called: &'static str,
+    /// The compiler's name for its core.
+    pub target: &'static str,
+    /// What builds its images.
+    pub script: &'static str,
+}
+
+const STM32F405: Chip = Chip {
+    name: "stm32f405",
+    called: "the microcontroller",
+    target: "thumbv7em-none-eabihf",
+    script: "scripts/firmware.sh",
+};
+const PICO_2: Chip = Chip {
+    name: "pico2",
+    called: "a Pico 2",
+    target: "thumbv8m.main-none-eabihf",
+    script: "scripts/pico.sh image",
+};
+
+/// The images; of those for the same drives, the usual one first.
+pub const IMAGES: [BoardImage; 5] = [
+    image("stm32f405", Board::Stm32f405, DriveKind::Brushed, STM32F405),
+    image(
+        "stm32f405_stepper",
+        Board::Stm32f405Stepper,
+        DriveKind::Stepper,
+        STM32F405,
+    ),
+    image(
+        "stm32f405_can",
+        Board::Stm32f405Can,
+        DriveKind::CanTorque,
+        STM32F405,
+    ),
+    image("rp2350_servo", Board::Rp2350Servo, DriveKind::Servo, PICO_2),
+    image(
+        "rp2350_stepper",
+        Board::Rp2350Stepper,
+        DriveKind::Stepper,
+        PICO_2,
+    ),
+];
+
+const fn image(name: &'static str, board: Board, drives: DriveKind, chip: Chip) -> BoardImage {
+    BoardImage {
+        name,
+        board,
+        drives,
+        chip,
+    }
+}
+
+impl BoardImage {
+    /// The path at which its script leaves it.
+    pub fn built(&self) -> PathBuf {
+        built_for(self.chip.target, self.name)
+    }
+}
+
+impl Facts {
+    /// Of this board.
+    pub const fn of(board: Board) -> Self {
+        match board {
+            Board::Desktop => Self {
+                name: "a controller in a process on a desktop",
+                drives: None,
+                ticks: Ticks::Either,
+            },
+            Board::Emulated => Self::emulated(DriveKind::Brushed),
+            Board::EmulatedStepper => Self::emulated(DriveKind::Stepper),
+            Board::EmulatedCan => Self::emulated(DriveKind::CanTorque),
+            Board::Stm32f405 => Self::with_motors("an STM32F405", DriveKind::Brushed),
+            Board::Stm32f405Stepper => Self::with_motors("an STM32F405", DriveKind::Stepper),
+            Board::Stm32f405Can => Self::with_motors("an STM32F405", DriveKind::CanTorque),
+            Board::Rp2350Servo => Self::with_motors("an RP2350", DriveKind::Servo),
+            Board::Rp2350Stepper => Self::with_motors("an RP2350", DriveKind::Stepper),
+        }
+    }
+
+    const fn emulated(drives: DriveKind) -> Self {
+        Self {
+            name: "an emulated board",
+            drives: Some(drives),
+            ticks: Ticks::Host,
+        }
+    }
+
+    const fn with_motors(name: &'static str, drives: DriveKind) -> Self {
+        Self {
+            name,
+            drives: Some(drives),
+            ticks: Ticks::Own,
+        }
+    }
+
+    /// What its controller drives, in words.
+    pub fn motors(&self) -> &'static str {
+        self.drives
+            .map_or("any motors", |kind| Machine::of(kind).motors)
+    }
+
+    /// What it is, in words.
+    pub fn words(&self) -> String {
+        match self.drives {
+            Some(_) => format!("{} for {}", self.name, self.motors()),
+            None => self.name.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Facts, IMAGES};
+
+    #[test]
+    fn a_board_has_the_drives_of_its_image() {
+        for image in IMAGES {
+            assert_eq!(Facts::of(image.board).drives, Some(image.drives));
+        }
+    }
+
+    #[test]
+    fn images_are_named_after_their_chip_and_their_drives() {
+        for image in IMAGES {
+            let same = IMAGES
+                .iter()
+                .filter(|other| (other.chip.name, other.drives) == (image.chip.name, image.drives));
+            assert_eq!(same.count(), 1, "{}", image.name);
+        }
+    }
+}
