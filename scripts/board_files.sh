@@ -6,10 +6,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# Not counted: its folder and its simulation, documents, lock files, this list, the targets of the crate kinematics, which needs
-# no board, and the context of a patch.
+# Not counted: its folder and its simulation, documents, lock files, this list, mistakes that are seeded into it, the targets of the
+# crate kinematics, which needs no board, and the context of a patch.
 mapfile -t files < <(git grep --untracked -lIiE 'rp2350|rp235x|pico|thumbv8m' -- . \
-    ':!firmware/src/board/rp2350' ':!verify/pico' ':!*.md' ':!docs' ':!*Cargo.lock' ':!scripts/board_files.sh' \
+    ':!firmware/src/board/rp2350' ':!verify/pico' ':!*.md' ':!docs' ':!*Cargo.lock' ':!scripts/board_files.sh' ':!firmware/mistakes.py' \
     ':!scripts/c.sh' ':!scripts/targets.sh' ':!tests/fifth_kind')
 said=$(tr '\n' ' ' <CONTRIBUTING.md | sed -n 's/.* \([0-9]*\) files of code and scripts name the RP2350.*/\1/p')
 if [ "${#files[@]}" -ne "${said:-0}" ]; then

@@ -1,11 +1,23 @@
 //! What a host knows of each board: what it is called, what its controller drives, whose clock gives its ticks, and its image. This
 //! is the one table: pages and commands ask it and name no board.
 
-use crate::link::built_for;
-use crate::machine::Machine;
 use fivebar_files::robot::DriveKind;
 use fivebar_firmware::protocol::Board;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// What a machine is called by the kind of its drives.
+pub(crate) type Drives = (DriveKind, &'static str);
+
+pub(crate) const BRUSHED: Drives = (DriveKind::Brushed, "brushed motors");
+pub(crate) const STEPPERS: Drives = (DriveKind::Stepper, "steppers");
+pub(crate) const ON_A_BUS: Drives = (DriveKind::CanTorque, "drives on a CAN bus");
+pub(crate) const SERVOS: Drives = (DriveKind::Servo, "hobby servos");
+
+/// Where cargo built this program, and scripts/firmware.sh the images.
+const BUILT: &str = match option_env!("CARGO_TARGET_DIR") {
+    Some(folder) => folder,
+    None => concat!(env!("CARGO_MANIFEST_DIR"), "/../target"),
+};
 
 /// A board.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +26,8 @@ pub struct Facts {
     name: &'static str,
     /// What its controller drives; none if it is compiled for whatever this program asks for.
     pub drives: Option<DriveKind>,
+    /// The same in words.
+    pub motors: &'static str,
     /// Who gives its ticks.
     pub ticks: Ticks,
 }
@@ -61,6 +75,8 @@ const STM32F405: Chip = Chip {
     target: "thumbv7em-none-eabihf",
     script: "scripts/firmware.sh",
 };
+/// The emulated board has the first one's core and script.
+pub(crate) const EMULATED: Chip = STM32F405;
 const PICO_2: Chip = Chip {
     name: "pico2",
     called: "a Pico 2",
@@ -101,10 +117,18 @@ const fn image(name: &'static str, board: Board, drives: DriveKind, chip: Chip) 
     }
 }
 
+impl Chip {
+    /// The path at which its script leaves an image.
+    pub(crate) fn built(&self, name: &str) -> PathBuf {
+        let folder = Path::new(BUILT).join("firmware").join(self.target);
+        folder.join("firmware").join(name)
+    }
+}
+
 impl BoardImage {
     /// The path at which its script leaves it.
     pub fn built(&self) -> PathBuf {
-        built_for(self.chip.target, self.name)
+        self.chip.built(self.name)
     }
 }
 
@@ -115,45 +139,42 @@ impl Facts {
             Board::Desktop => Self {
                 name: "a controller in a process on a desktop",
                 drives: None,
+                motors: "any motors",
                 ticks: Ticks::Either,
             },
-            Board::Emulated => Self::emulated(DriveKind::Brushed),
-            Board::EmulatedStepper => Self::emulated(DriveKind::Stepper),
-            Board::EmulatedCan => Self::emulated(DriveKind::CanTorque),
-            Board::Stm32f405 => Self::with_motors("an STM32F405", DriveKind::Brushed),
-            Board::Stm32f405Stepper => Self::with_motors("an STM32F405", DriveKind::Stepper),
-            Board::Stm32f405Can => Self::with_motors("an STM32F405", DriveKind::CanTorque),
-            Board::Rp2350Servo => Self::with_motors("an RP2350", DriveKind::Servo),
-            Board::Rp2350Stepper => Self::with_motors("an RP2350", DriveKind::Stepper),
+            Board::Emulated => Self::emulated(BRUSHED),
+            Board::EmulatedStepper => Self::emulated(STEPPERS),
+            Board::EmulatedCan => Self::emulated(ON_A_BUS),
+            Board::Stm32f405 => Self::with_motors("an STM32F405", BRUSHED),
+            Board::Stm32f405Stepper => Self::with_motors("an STM32F405", STEPPERS),
+            Board::Stm32f405Can => Self::with_motors("an STM32F405", ON_A_BUS),
+            Board::Rp2350Servo => Self::with_motors("an RP2350", SERVOS),
+            Board::Rp2350Stepper => Self::with_motors("an RP2350", STEPPERS),
         }
     }
 
-    const fn emulated(drives: DriveKind) -> Self {
+    const fn emulated((drives, motors): Drives) -> Self {
         Self {
             name: "an emulated board",
             drives: Some(drives),
+            motors,
             ticks: Ticks::Host,
         }
     }
 
-    const fn with_motors(name: &'static str, drives: DriveKind) -> Self {
+    const fn with_motors(name: &'static str, (drives, motors): Drives) -> Self {
         Self {
             name,
             drives: Some(drives),
+            motors,
             ticks: Ticks::Own,
         }
-    }
-
-    /// What its controller drives, in words.
-    pub fn motors(&self) -> &'static str {
-        self.drives
-            .map_or("any motors", |kind| Machine::of(kind).motors)
     }
 
     /// What it is, in words.
     pub fn words(&self) -> String {
         match self.drives {
-            Some(_) => format!("{} for {}", self.name, self.motors()),
+            Some(_) => format!("{} for {}", self.name, self.motors),
             None => self.name.to_owned(),
         }
     }

@@ -76,7 +76,7 @@ impl Machine {
     }
 
     /// The images for boards with motors; the first one is for the usual board.
-    pub fn images(&self) -> impl Iterator<Item = BoardImage> {
+    pub fn images(self) -> impl Iterator<Item = BoardImage> {
         let drives = self.drives;
         IMAGES
             .into_iter()

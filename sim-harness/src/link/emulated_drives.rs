@@ -84,5 +84,5 @@ impl EmulatedDrives for BusDrives {
 
 /// What a controller on this board drives.
 pub fn motors_of(board: Board) -> &'static str {
-    Facts::of(board).motors()
+    Facts::of(board).motors
 }

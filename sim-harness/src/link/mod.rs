@@ -23,7 +23,6 @@ use std::time::Duration;
 
 pub use client::{Client, LinkError};
 pub use emulated_drives::{DesktopDrives, EmulatedDrives, motors_of};
-pub(crate) use emulator::built_for;
 pub use emulator::{Emulator, EmulatorError};
 pub use fault_injector::{FaultInjector, FaultRates};
 pub use in_process::{Called, InProcess};
