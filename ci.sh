@@ -29,7 +29,10 @@ licences() { scripts/licences.sh; }
 advisories() { scripts/advisories.sh || { [ $? -eq 77 ] && not_checked+=(advisories); }; }
 actions() { scripts/actions.sh; }
 links() { scripts/links.py; }
-arrows() { scripts/arrows.py; }
+arrows() {
+    scripts/arrows.py
+    scripts/board_files.sh
+}
 words() { scripts/words.sh; }
 file_lengths() { scripts/file-lengths.sh; }
 tests() { cargo test "${with_features[@]}"; }

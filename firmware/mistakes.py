@@ -427,6 +427,10 @@ MISTAKES = [
     ("the χ² tail of twice the freedom", "design/src/statistics.rs", "incomplete_gamma(0.5 * freedom,", "incomplete_gamma(freedom,"),
     ("joint 4's index pulses not compared", "controller/time_slices.rs", "                self.compare_pulse(1);\n", ""),
     ("an index pulse compared again and again", "controller/index_check.rs", "landmarks.pulse.take()", "landmarks.pulse"),
+    ("usb: a packet from the host has the turn of the one before", "board/rp2350/usb/bus.rs", "let turn = (control & DATA1) ^ DATA1;", "let turn = control & DATA1;"),
+    ("usb: the address outlives a reset of the bus", "board/rp2350/usb/bus.rs", "        self.reset_endpoints();\n        self.usb.addr_endp().reset();\n", "        self.reset_endpoints();\n"),
+    ("usb: a full packet at the end of a frame is not ended", "board/rp2350/usb/mod.rs", "if (!ends || self.was_full) &&", "if !ends &&"),
+    ("usb: a frame without room for all of it is cut", "board/rp2350/usb/mod.rs", "self.waiting.len() < frame.len()", "self.waiting.len() == 0"),
 ]
 
 
@@ -441,6 +445,20 @@ CRATES = {
 
 def path_of(file):
     return file if (ROOT / file).is_file() else f"firmware/src/{file}"
+
+
+PICO = "firmware/src/board/rp2350/"
+
+
+def test_on_pico(copy, near, environment):
+    """Runs the tests of USB, which have no mistake, on the images of the copy."""
+    built = seeded_mistakes.run(str(copy / "scripts/pico.sh"), "build", env=environment)
+    if built.returncode != 0:
+        return built.returncode, built.stdout + built.stderr
+    command = ["cargo", "test", "--manifest-path", str(ROOT / "verify/pico/Cargo.toml"), "--test", "usb", near]
+    images = {**os.environ, "PICO_IMAGES": built.stdout.splitlines()[-1]}
+    done = seeded_mistakes.run(*filter(None, command), env=images)
+    return done.returncode, done.stdout + done.stderr
 
 
 def commands(path, near):
@@ -468,6 +486,8 @@ def main():
     environment = seeded_mistakes.without_target_dir(PROPTEST_MAX_SHRINK_ITERS="0")
 
     def test(path, near):
+        if path.startswith(PICO):
+            return test_on_pico(copy, near, environment)
         output = ""
         for arguments in commands(path, near):
             done = seeded_mistakes.run("cargo", "test", *arguments, cwd=copy, env=environment)

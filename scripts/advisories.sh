@@ -13,6 +13,6 @@ if ! command -v cargo-deny >/dev/null || [ ! -d "$database" ]; then
     echo "advisories: cargo-deny' and 'cargo deny fetch', or look at GitHub's job 'dependencies'." >&2
     exit 77
 fi
-for manifest in Cargo.toml verify/fuzz/Cargo.toml python/Cargo.toml verify/chip/Cargo.toml verify/pico/Cargo.toml verify/leg_m0/Cargo.toml kinematics/c/Cargo.toml; do
-    cargo deny --offline --manifest-path "$manifest" check --config deny.toml advisories
+for lock in $(git ls-files '*Cargo.lock'); do
+    cargo deny --offline --manifest-path "${lock%lock}toml" check --config deny.toml advisories
 done

@@ -20,7 +20,6 @@ reason_not_to_run() {
     case "$1" in
     'cargo test') echo "ci.sh's step tests does this" ;;
     'cd verify/chip && cargo test') names_steps chip && echo "ci.sh's step chip does this" ;;
-    'scripts/pico.sh'*) names_steps pico && echo "ci.sh's step pico does this" ;;
     *'verify/chip/Cargo.toml --bin board') echo "it runs until it is interrupted" ;;
     './ci.sh'*) names_steps ${1#./ci.sh} && echo "ci.sh is running" ;;
     'scripts/firmware.sh' | 'scripts/release.sh images '*) names_steps firmware && echo "ci.sh's step firmware does this" ;;
@@ -35,6 +34,10 @@ reason_not_to_run() {
     'python3 -m http.server'*) echo "it runs until it is interrupted" ;;
     'probe-rs '*) echo "it needs a board on a debug probe" ;;
     'dfu-util '*) echo "it needs a board on USB" ;;
+    'scripts/'*.sh*)
+        local step=${1#scripts/}
+        names_steps "${step%%.sh*}" 2>/dev/null && echo "ci.sh's step ${step%%.sh*} does this"
+        ;;
     *) return 1 ;;
     esac
 }

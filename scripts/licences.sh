@@ -30,13 +30,11 @@ while IFS='|' read -r package licence; do
 done < <({
     list --target x86_64-unknown-linux-gnu
     list --target thumbv7em-none-eabihf
-    list --manifest-path verify/pico/Cargo.toml
-    list --manifest-path verify/fuzz/Cargo.toml
     list --manifest-path verify/leg_m0/Cargo.toml --target thumbv6m-none-eabi
-    list --manifest-path kinematics/c/Cargo.toml
-    list --manifest-path python/Cargo.toml
-    # Of the tests' simulated chip the dependencies; the crate itself is under GPL-2.0-or-later.
-    list --manifest-path verify/chip/Cargo.toml | grep -v '^fivebar-chip '
+    # Of the tests' simulated STM32F405 the dependencies; the crate itself is under GPL-2.0-or-later.
+    git ls-files '*/Cargo.lock' | while read -r lock; do
+        list --manifest-path "${lock%lock}toml"
+    done | grep -v '^fivebar-chip '
 } | sed '/^$/d; s/ (\*)$//; s/ (.*)|/|/' | sort -u)
 [ "$refused" -eq 0 ]
 [ "$count" -gt 20 ] || { echo "licences: cargo tree listed only $count packages" >&2; exit 1; }

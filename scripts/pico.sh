@@ -3,7 +3,9 @@
 # of time and stack, and runs them on the simulated Pico 2 of the folder verify/pico.
 #
 #   scripts/pico.sh          all of it
-#   scripts/pico.sh image    the images alone; their folder is the last line
+#   scripts/pico.sh image    the images and their bounds; their folder is the last line
+#   scripts/pico.sh build    the images alone, without their bounds
+#   scripts/pico.sh draw [ROBOT [JOB]]  draws on the simulated Pico 2, by default the demonstration, into out/pico.svg
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh
@@ -16,10 +18,15 @@ target=thumbv8m.main-none-eabihf
 )
 images=$built/firmware/$target/firmware
 for image in rp2350_stepper rp2350_servo; do
-    scripts/uf2.py "$images/$image" "$images/$image.uf2"
+    firmware/src/board/rp2350/uf2.py "$images/$image" "$images/$image.uf2"
 done
-cargo run --quiet --package fivebar-bounds -- check "$images" rp2350
-if [ "${1:-}" != image ]; then
+if [ "${1:-}" = draw ]; then
+    mkdir -p out
+    cargo run --manifest-path verify/pico/Cargo.toml -- "$images" "${2:-classroom_servo}" out/pico.svg "${@:3}"
+    exit
+fi
+[ "${1:-}" = build ] || cargo run --quiet --package fivebar-bounds -- check "$images" rp2350
+if [ $# -eq 0 ]; then
     cargo test --quiet --package fivebar-bounds --features pico --test pico
     manifest=(--manifest-path verify/pico/Cargo.toml)
     cargo fmt "${manifest[@]}" --check

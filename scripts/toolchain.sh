@@ -22,7 +22,8 @@ cargo_flags=()
 rustflags="--remap-path-prefix=$PWD=/fivebar\
  --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=/cargo\
 ${CARGO_TARGET_DIR:+ --remap-path-prefix=$CARGO_TARGET_DIR=/fivebar/target}"
-export CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$rustflags CARGO_TARGET_THUMBV8M_MAIN_NONE_EABIHF_RUSTFLAGS=$rustflags
+of_target=${target^^}
+export "CARGO_TARGET_${of_target//[-.]/_}_RUSTFLAGS=$rustflags"
 
 as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi; }
 

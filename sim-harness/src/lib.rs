@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod board_test;
+pub mod boards;
 pub mod clock;
 #[cfg(not(target_family = "wasm"))]
 pub mod controller;

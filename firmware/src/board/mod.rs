@@ -1,6 +1,7 @@
 //! What a board is.
 //!
-//! A board is a folder here. It holds the drivers of its registers and its program, which
+//! A board is a folder here. It holds the drivers of its registers and its program, of which those with a chip of their own share
+//! [`image`]. The program
 //!
 //! - gives the controller an [`ArmSample`](crate::ArmSample) at each tick, and its [`ArmCommand`](crate::ArmCommand) to the drives or, where
 //!   the host steps the ticks, to the host;
@@ -30,6 +31,8 @@ pub mod emulated;
 pub mod end_cause;
 #[cfg(feature = "image")]
 pub mod exchanged;
+#[cfg(feature = "image")]
+pub mod image;
 #[cfg(feature = "image")]
 pub mod log;
 #[cfg(feature = "rp2350")]

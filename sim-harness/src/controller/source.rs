@@ -3,13 +3,14 @@
 use super::Hand;
 use super::session::Session;
 use super::simulated;
+use crate::boards::{Facts, Ticks};
 use crate::clock::Clock;
 use crate::drive::{Drive, DriveError};
 use crate::link::{Client, Emulator, EmulatorError, LinkError, PortError, SerialLine, motors_of};
 use crate::machine::Machine;
 use crate::simulation::RunError;
 use fivebar_files::robot::Robot;
-use fivebar_firmware::protocol::{Board, CommandError};
+use fivebar_firmware::protocol::CommandError;
 use fivebar_firmware::settings::SettingsError;
 use std::io::{Read, Write};
 use std::path::Path;
@@ -101,8 +102,8 @@ pub fn open(
         });
     }
     let settings = robot.settings().map_err(RunError::from)?.check()?;
-    let (place, stepped) = match identity.board {
-        Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan => {
+    let (place, stepped) = match Facts::of(identity.board).ticks {
+        Ticks::Host => {
             let answer = client.write_settings(&settings)?;
             answer.map_err(OpenError::Refused)?;
             (
@@ -110,12 +111,7 @@ pub fn open(
                 Some(simulated::stepped(robot, clock)?),
             )
         }
-        Board::Desktop
-        | Board::Stm32f405
-        | Board::Stm32f405Stepper
-        | Board::Stm32f405Can
-        | Board::Rp2350Servo
-        | Board::Rp2350Stepper => {
+        Ticks::Own | Ticks::Either => {
             let mut drive = Drive::new(&mut client, &|| false);
             match source {
                 ControllerSource::Port { upload: true, .. } => drive.store_settings(&settings)?,

@@ -3,6 +3,7 @@
 use super::Emulator;
 use super::in_process::{self, Called};
 use super::loopback::{self, Desk, Plant};
+use crate::boards::Facts;
 use fivebar_firmware::Settings;
 use fivebar_firmware::drives::can::BusDrives;
 use fivebar_firmware::drives::{BrushedDrives, DriveInterface, StepDrives};
@@ -83,11 +84,5 @@ impl EmulatedDrives for BusDrives {
 
 /// What a controller on this board drives.
 pub fn motors_of(board: Board) -> &'static str {
-    match board {
-        Board::Desktop => "any motors",
-        Board::Emulated | Board::Stm32f405 => "brushed motors",
-        Board::Stm32f405Stepper | Board::Rp2350Stepper | Board::EmulatedStepper => "steppers",
-        Board::Stm32f405Can | Board::EmulatedCan => "drives on a CAN bus",
-        Board::Rp2350Servo => "hobby servos",
-    }
+    Facts::of(board).motors
 }

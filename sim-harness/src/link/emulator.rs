@@ -2,6 +2,7 @@
 
 use super::READ;
 use super::supervised_child::SupervisedChild;
+use crate::boards;
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -19,11 +20,6 @@ const BOARD: [&str; 6] = [
     "-display",
     "none",
 ];
-/// Where cargo built this program, and scripts/firmware.sh the images.
-const BUILT: &str = match option_env!("CARGO_TARGET_DIR") {
-    Some(folder) => folder,
-    None => concat!(env!("CARGO_MANIFEST_DIR"), "/../target"),
-};
 /// How long the emulator may take to start.
 const START: Duration = Duration::from_secs(10);
 
@@ -60,23 +56,10 @@ pub enum EmulatorError {
     Io(#[from] io::Error),
 }
 
-fn built_for(target: &str, name: &str) -> PathBuf {
-    Path::new(BUILT)
-        .join("firmware")
-        .join(target)
-        .join("firmware")
-        .join(name)
-}
-
 impl Emulator {
     /// The path at which `scripts/firmware.sh` leaves the image `name`.
     pub fn built_image(name: &str) -> PathBuf {
-        built_for("thumbv7em-none-eabihf", name)
-    }
-
-    /// The path at which `scripts/pico.sh` leaves it.
-    pub fn built_pico_image(name: &str) -> PathBuf {
-        built_for("thumbv8m.main-none-eabihf", name)
+        boards::EMULATED.built(name)
     }
 
     /// The likely cause if a board with this image gives other outputs than this program,

@@ -3,6 +3,7 @@
 //! the same bits.
 
 use super::{Client, EmulatedDrives, InProcess, LinkError, Target, TargetError, motors_of};
+use crate::boards::{Facts, Ticks};
 use fivebar_firmware::controller::Request;
 use fivebar_firmware::drives::BrushedDrives;
 use fivebar_firmware::motion::{StreamConfig, StreamPoint};
@@ -100,14 +101,10 @@ impl<L: Read + Write, I: EmulatedDrives> Lockstep<L, I> {
             return Err(LockstepError::ForOthers(motors, I::IMAGE));
         }
         // Checked before the settings change; applying settings resets what this tick did.
-        let is_stepped = match identity.board {
+        let is_stepped = match Facts::of(identity.board).ticks {
             // They know samples of brushed motors only.
-            Board::Stm32f405
-            | Board::Stm32f405Stepper
-            | Board::Stm32f405Can
-            | Board::Rp2350Servo
-            | Board::Rp2350Stepper => false,
-            Board::Desktop | Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan => {
+            Ticks::Own => false,
+            Ticks::Host | Ticks::Either => {
                 let tick = HostCommand::Tick(ArmSample::<I::Sample>::default());
                 let reply = client.exchange::<_, I::Command>(tick)?;
                 !matches!(reply, Reply::Refused(CommandError::Unsupported))

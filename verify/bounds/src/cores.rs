@@ -29,7 +29,7 @@ pub const M4_IN_FLASH: Core = Core {
     register: 2 * 5,
 };
 
-/// A Cortex-M33 that runs from the SRAM of an RP2350, which answers in one cycle. Arm states no cycles for the instructions of
+/// A Cortex-M33 that runs from an SRAM that answers in one cycle. Arm states no cycles for the instructions of
 /// this core, whose pipeline is the Cortex-M4's with a second, narrower way beside it: so those of the Cortex-M4 are taken, each at its largest.
 /// Code and data share one bus, the system bus, so nothing is taken to pass at the same time: each word of code costs a
 /// cycle of its own, and each access one more. A register over APB takes 3 cycles to be read and 4 to be written; 6 are taken.
@@ -43,5 +43,5 @@ pub const M33_IN_SRAM: Core = Core {
     register: 1 + APB,
 };
 
-/// Cycles that a register of the RP2350 over its bridge to APB is waited for.
+/// Cycles that a register over the bridge to APB is waited for there.
 pub const APB: u64 = 6;

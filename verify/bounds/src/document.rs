@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use crate::families::{BRUSHED, FAMILIES, Family, STACK_BUDGET};
 use crate::registers;
 use crate::report::{Row, read};
-use crate::response::{self, BRUSHED, Driving, RP2350, STACK_BUDGET};
+use crate::response::{self, Driving};
 
 /// What encloses the table in the document.
 const BEGIN: &str = "<!-- printed by fivebar-bounds document -->\n";
@@ -33,14 +34,9 @@ fn figure(text: &str, name: &str) -> Option<u64> {
 /// instructions that the emulator counted, and the accesses to slow registers that the simulated chip counted. None if
 /// a figure is missing.
 #[expect(clippy::too_many_lines, reason = "a list of rows")]
-pub fn table(
-    bounds: &str,
-    chip: &str,
-    instructions: &str,
-    accesses: &str,
-    pico: &str,
-) -> Option<String> {
-    let (_, rows) = read(bounds);
+pub fn table(chip: &str, instructions: &str, accesses: &str) -> Option<String> {
+    let [first, others @ ..] = FAMILIES;
+    let (_, rows) = read(first.committed);
     let row = |name: &str| -> Option<&Row> { rows.iter().find(|row| row.name == name) };
     let [tick, ..] = row("tick: tick::__cortex_m_rt_main")?.longest?;
     let of = |name: &str| row(&BRUSHED.labelled(name))?.longest;
@@ -132,41 +128,51 @@ pub fn table(
             "| `{label}` | {first}, {second} | {cycles} | {interrupt} | {response} |"
         );
     }
-    text.push_str(&of_pico(pico)?);
+    for family in others {
+        text.push_str(&of_all_waits(family)?);
+    }
     Some(text)
 }
 
-/// The images of a Pico 2, where all accesses wait.
-fn of_pico(figures: &str) -> Option<String> {
-    let (_, rows) = read(figures);
-    let [stepper, servo] = RP2350.images else {
+/// The images of a family whose limits hold where all accesses wait.
+fn of_all_waits(family: &Family) -> Option<String> {
+    let (_, rows) = read(family.committed);
+    let [first, ..] = family.images else {
         return None;
     };
+    let [.., period] = first.budgets;
+    let labels: Vec<_> = family
+        .images
+        .iter()
+        .map(|image| format!("`{}`", image.label))
+        .collect();
     let mut text = format!(
-        "\n|cycles at 150 MHz, all accesses wait|`{}`|`{}`|limit|\n|---|---|---|---|\n",
-        stepper.label, servo.label
+        "\n|cycles at {} MHz, all accesses wait|{}|limit|\n|---|{}---|\n",
+        period / 100,
+        labels.join("|"),
+        "---|".repeat(labels.len())
     );
-    for (what, name) in [
-        ("the tick's interrupt", stepper.tick),
+    let [serial, ..] = first.below else {
+        return None;
+    };
+    let mut whats = vec![
+        ("the tick's interrupt", first.tick),
         ("longest blocking by what runs below", response::BLOCKING),
         ("response, the sum", response::RESPONSE),
         ("the serial line's first byte", response::RECEIVER),
-        ("the serial line's interrupt", "UART0_IRQ"),
-        ("the interrupt of USB", "USBCTRL_IRQ"),
-        ("stack [bytes]", response::NESTED),
-    ] {
+        ("the serial line's interrupt", serial),
+    ];
+    whats.extend(first.lowest.map(|name| ("the interrupt of USB", name)));
+    whats.push(("stack [bytes]", response::NESTED));
+    for (what, name) in whats {
         let figure = |image: &Driving| -> Option<String> {
             let row = rows.iter().find(|row| row.name == image.labelled(name))?;
             let cycles = row.longest.map(|[.., all_wait]| all_wait);
             Some(grouped(cycles.or(row.stack.map(u64::from))?))
         };
-        let limit = stepper.budget(name).map_or("–".to_owned(), grouped);
-        let _ = writeln!(
-            text,
-            "|{what}|{}|{}|{limit}|",
-            figure(stepper)?,
-            figure(servo)?
-        );
+        let limit = first.budget(name).map_or("–".to_owned(), grouped);
+        let figures: Option<Vec<_>> = family.images.iter().map(figure).collect();
+        let _ = writeln!(text, "|{what}|{}|{limit}|", figures?.join("|"));
     }
     Some(text)
 }

@@ -8,7 +8,7 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 /// The machine code of a program, with the names and the places of its functions.
 #[derive(Clone, Debug)]
 pub struct Image {
-    /// The core that runs it: what begins in the SRAM is for an RP2350.
+    /// The core that runs it: what begins in the SRAM is for a Cortex-M33 there.
     pub core: Core,
     /// Contents of the sections of code, by address.
     code: Vec<(u32, Vec<u8>)>,

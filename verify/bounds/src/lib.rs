@@ -22,6 +22,7 @@ pub mod blocking;
 pub mod cores;
 pub mod depth;
 pub mod document;
+pub mod families;
 mod float;
 pub mod graph;
 pub mod image;

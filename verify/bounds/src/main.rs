@@ -1,8 +1,8 @@
 //! Bounds of time and stack of the firmware images.
 //!
 //! ```text
-//! fivebar-bounds check <folder of the images> [rp2350]     compares with verify/bounds/figures.txt, or figures_rp2350.txt
-//! fivebar-bounds print <folder of the images> [rp2350]     prints the figures to commit
+//! fivebar-bounds check <folder of the images> [chip]       compares with the committed figures: verify/bounds/figures*.txt
+//! fivebar-bounds print <folder of the images> [chip]       prints the figures to commit
 //! fivebar-bounds document                              the table of docs/verify/bounds.md, from the committed figures
 //! fivebar-bounds path  <folder of the images> <image> <function>   the longest path's addresses
 //! fivebar-bounds stack <folder of the images> <image> <function>   its deepest chain of calls
@@ -14,53 +14,25 @@ use std::process::ExitCode;
 
 use fivebar_bounds::blocking::Section;
 use fivebar_bounds::document;
+use fivebar_bounds::families::{FAMILIES, Family, stated_of_all};
 use fivebar_bounds::image::Image;
 use fivebar_bounds::program::Program;
 use fivebar_bounds::report::{self, Report};
-use fivebar_bounds::response::{self, Family, RP2350, STM32F405};
-use fivebar_bounds::stated::Stated;
+use fivebar_bounds::response;
 use fivebar_bounds::timing::Measure;
-
-/// Images that are checked together, with what is known of them.
-struct Checked {
-    family: Family,
-    /// What people state of all images, and of these alone.
-    stated: [&'static str; 2],
-    /// The figures as last committed, and their file.
-    committed: &'static str,
-    file: &'static str,
-}
-
-/// What people state.
-const STATED: &str = include_str!("../stated.txt");
-
-const FIRST: Checked = Checked {
-    family: STM32F405,
-    stated: [STATED, include_str!("../stated_stm32f405.txt")],
-    committed: include_str!("../figures.txt"),
-    file: "figures.txt",
-};
-const PICO: Checked = Checked {
-    family: RP2350,
-    stated: [STATED, include_str!("../stated_rp2350.txt")],
-    committed: include_str!("../figures_rp2350.txt"),
-    file: "figures_rp2350.txt",
-};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments[..] {
-        ["check", folder] => FIRST.check(Path::new(folder)),
-        ["check", folder, "rp2350"] => PICO.check(Path::new(folder)),
+        ["check", folder, ref name @ ..] => family(name).and_then(|it| check(it, Path::new(folder))),
         ["document"] => document(),
-        ["print", folder] => FIRST.print(Path::new(folder)),
-        ["print", folder, "rp2350"] => PICO.print(Path::new(folder)),
+        ["print", folder, ref name @ ..] => family(name).and_then(|it| print(it, Path::new(folder))),
         ["path", folder, image, function] => path(&Path::new(folder).join(image), function),
         ["stack", folder, image, function] => stack(&Path::new(folder).join(image), function),
         ["sections", folder, image, function] => sections(&Path::new(folder).join(image), function),
         _ => Err(
-            "usage: fivebar-bounds check|print <folder> [rp2350], document, path|stack|sections <folder> <image> <function>"
+            "usage: fivebar-bounds check|print <folder> [chip], document, path|stack|sections <folder> <image> <function>"
                 .to_owned(),
         ),
     };
@@ -76,20 +48,20 @@ fn main() -> ExitCode {
     }
 }
 
+/// The family of this name.
+fn family(name: &[&str]) -> Result<&'static Family, String> {
+    let name = name.concat();
+    let found = FAMILIES.into_iter().find(|family| family.name == name);
+    found.ok_or_else(|| format!("no images are called {name}"))
+}
+
 fn document() -> Result<String, String> {
     let (chip, instructions, accesses) = (
         include_str!("../../chip/figures.txt"),
         include_str!("../../../tests/data/instructions.txt"),
         include_str!("../../chip/accesses.txt"),
     );
-    document::table(
-        FIRST.committed,
-        chip,
-        instructions,
-        accesses,
-        PICO.committed,
-    )
-    .ok_or_else(|| "a figure is missing".to_owned())
+    document::table(chip, instructions, accesses).ok_or_else(|| "a figure is missing".to_owned())
 }
 
 fn image(path: &Path) -> Result<Image, String> {
@@ -98,71 +70,60 @@ fn image(path: &Path) -> Result<Image, String> {
     Image::read(&file).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-impl Checked {
-    fn stated(&self) -> Result<Stated, String> {
-        Stated::read(&self.stated.concat())
+/// The bounds of all images, as a table; an error if something has no bound.
+fn print(family: &Family, folder: &Path) -> Result<String, String> {
+    let stated = family.stated()?;
+    let mut all = Report::default();
+    let mut compiler = String::new();
+    let driving = family.images.iter().map(|it| (it.label, Some(it)));
+    let others = family.others.iter().map(|&label| (label, None));
+    for (label, driving) in others.chain(driving) {
+        let image = image(&folder.join(label))?;
+        let mut report = match label {
+            "tick" => report::of_function(label, &image, &stated, "tick::__cortex_m_rt_main")?,
+            _ => report::of_handlers(label, &image, &stated)?,
+        };
+        if let Some(driving) = driving {
+            response::add(driving, &image, &stated, &mut report)?;
+        }
+        all.rows.extend(report.rows);
+        all.defects.extend(report.defects);
+        compiler = image.compiler;
     }
-
-    /// The bounds of all images, as a table; an error if something has no bound.
-    fn print(&self, folder: &Path) -> Result<String, String> {
-        let stated = self.stated()?;
-        let mut all = Report::default();
-        let mut compiler = String::new();
-        let driving = self.family.images.iter().map(|it| (it.label, Some(it)));
-        let others = self.family.others.iter().map(|&label| (label, None));
-        for (label, driving) in others.chain(driving) {
-            let image = image(&folder.join(label))?;
-            let mut report = match label {
-                "tick" => report::of_function(label, &image, &stated, "tick::__cortex_m_rt_main")?,
-                _ => report::of_handlers(label, &image, &stated)?,
-            };
-            if let Some(driving) = driving {
-                response::add(driving, &image, &stated, &mut report)?;
-            }
-            all.rows.extend(report.rows);
-            all.defects.extend(report.defects);
-            compiler = image.compiler;
-        }
-        let table = report::table(&compiler, &all.rows);
-        let defects = all.defects.iter().map(ToString::to_string);
-        let unused = stated
-            .unused()
-            .map(|it| format!("there is no loop for: {it}"));
-        let defects: Vec<String> = defects
-            .chain(unused)
-            .map(|it| format!("\n  {it}"))
-            .collect();
-        if defects.is_empty() {
-            return Ok(table);
-        }
-        Err(format!(
-            "{table}no bound, see verify/bounds/stated*.txt:{}",
-            defects.concat()
-        ))
+    let table = report::table(&compiler, &all.rows);
+    let defects = all.defects.iter().map(ToString::to_string);
+    let unused = stated
+        .unused()
+        .map(|it| format!("there is no loop for: {it}"));
+    let defects: Vec<String> = defects
+        .chain(unused)
+        .map(|it| format!("\n  {it}"))
+        .collect();
+    if defects.is_empty() {
+        return Ok(table);
     }
-
-    fn check(&self, folder: &Path) -> Result<String, String> {
-        let now = self.print(folder)?;
-        let (_, rows) = report::read(&now);
-        let over = self.family.over_budget(&rows);
-        if !over.is_empty() {
-            return Err(format!("{now}{}", over.join("\n")));
-        }
-        let differences = report::compare(self.committed, &now);
-        if differences.is_empty() {
-            return Ok(now);
-        }
-        Err(format!(
-            "{now}{}\nif that is right, commit the figures: print in place of check, into verify/bounds/{}",
-            differences.join("\n"),
-            self.file
-        ))
-    }
+    Err(format!(
+        "{table}no bound, see verify/bounds/stated*.txt:{}",
+        defects.concat()
+    ))
 }
 
-/// What people state of any image.
-fn stated_of_all() -> Result<Stated, String> {
-    Stated::read(&[FIRST.stated, PICO.stated].concat().concat())
+fn check(family: &Family, folder: &Path) -> Result<String, String> {
+    let now = print(family, folder)?;
+    let (_, rows) = report::read(&now);
+    let over = family.over_budget(&rows);
+    if !over.is_empty() {
+        return Err(format!("{now}{}", over.join("\n")));
+    }
+    let differences = report::compare(family.committed, &now);
+    if differences.is_empty() {
+        return Ok(now);
+    }
+    Err(format!(
+        "{now}{}\nif that is right, commit the figures: print in place of check, into verify/bounds/{}",
+        differences.join("\n"),
+        family.file
+    ))
 }
 
 /// The addresses of a function's longest path in cycles where the code waits, in the order of the path.

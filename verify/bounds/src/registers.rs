@@ -5,8 +5,9 @@
 //! does not show which access goes to such a register, so these are counted where it runs, on the simulated chip, and added
 //! to the bounds of the tick's interrupt and of the response.
 
+use crate::families::STM32F405;
 use crate::report::Row;
-use crate::response::{Driving, RESPONSE, STM32F405};
+use crate::response::{Driving, RESPONSE};
 
 /// Cycles of the core in a clock of APB1 and of APB2, at 42 and 84 MHz.
 const RATIOS: [u64; 2] = [4, 2];

@@ -6,11 +6,9 @@ use fivebar_bounds::{registers, report};
 #[test]
 fn the_document_has_the_table_that_is_printed() {
     let printed = table(
-        include_str!("../figures.txt"),
         include_str!("../../chip/figures.txt"),
         include_str!("../../../tests/data/instructions.txt"),
         include_str!("../../chip/accesses.txt"),
-        include_str!("../figures_rp2350.txt"),
     );
     assert_eq!(
         table_in(include_str!("../../../docs/verify/bounds.md")),

@@ -4,8 +4,8 @@
 mod seeds;
 
 use fivebar_bounds::Fault;
+use fivebar_bounds::families;
 use fivebar_bounds::report::{self, Row};
-use fivebar_bounds::response;
 use seeds::Images;
 
 const FIGURES: &str = include_str!("../figures.txt");
@@ -109,7 +109,7 @@ fn proved(name: &str) -> Row {
 #[test]
 fn what_is_over_its_budget_is_refused() {
     let (_, mut rows) = report::read(FIGURES);
-    assert_eq!(response::STM32F405.over_budget(&rows), [""; 0]);
+    assert_eq!(families::STM32F405.over_budget(&rows), [""; 0]);
     for (name, budget) in [
         ("ADC", 10_080),
         ("longest blocking", 840),
@@ -124,7 +124,7 @@ fn what_is_over_its_budget_is_refused() {
             "stm32f405: {name}: {} cycles where the code waits, of at most {budget}",
             budget + 1
         );
-        assert_eq!(response::STM32F405.over_budget(&rows), [refused]);
+        assert_eq!(families::STM32F405.over_budget(&rows), [refused]);
         let row = rows.iter_mut().find(|row| row.name.ends_with(name));
         row.expect("a row of this name").longest = before;
     }
@@ -133,7 +133,7 @@ fn what_is_over_its_budget_is_refused() {
         .find(|row| row.name == "stm32f405: all nested");
     stack.expect("the stack").stack = Some(12_289);
     assert_eq!(
-        response::STM32F405.over_budget(&rows),
+        families::STM32F405.over_budget(&rows),
         ["stm32f405: all nested: 12289 bytes of stack, of at most 12288"]
     );
 }

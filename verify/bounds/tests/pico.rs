@@ -4,12 +4,10 @@ mod seeds;
 
 use fivebar_bounds::Fault;
 use fivebar_bounds::cores::{M4_IN_FLASH, M33_IN_SRAM};
+use fivebar_bounds::families::RP2350;
 use fivebar_bounds::image::{Image, SRAM};
 use fivebar_bounds::report::{self, Row};
-use fivebar_bounds::response::RP2350;
 use seeds::Images;
-
-const FIGURES: &str = include_str!("../figures_rp2350.txt");
 
 const IMAGES: Images = Images {
     target: "thumbv8m.main-none-eabihf",
@@ -64,7 +62,7 @@ fn the_tick_runs_from_the_sram() {
 /// Each part has its limit where every access waits as long as one of a slow register: a path that is one cycle longer is refused.
 #[test]
 fn what_is_over_its_budget_is_refused() {
-    let (_, mut rows) = report::read(FIGURES);
+    let (_, mut rows) = report::read(RP2350.committed);
     assert_eq!(RP2350.over_budget(&rows), [""; 0]);
     for (name, budget) in [
         ("rp2350_stepper: SysTick", 12_600),

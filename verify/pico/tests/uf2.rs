@@ -7,7 +7,10 @@ use std::process::Command;
 
 #[test]
 fn the_file_for_drag_and_drop_has_the_bytes_of_the_image() {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/uf2.py");
+    let script = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../firmware/src/board/rp2350/uf2.py"
+    );
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
     let target = folder.join("image.uf2");
     let mut write = Command::new(script);

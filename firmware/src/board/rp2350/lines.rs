@@ -3,14 +3,13 @@
 //! What the other line says is not answered, but for an emergency stop, which the interrupts see, and for the beginning of a session.
 
 use super::{serial, usb};
+use crate::board::image::Lines;
+use crate::board::image::tasks::Commands;
 use crate::protocol::{Frame, HostCommand, HostMessage};
 use heapless::spsc::Consumer;
 
-/// What has come over a line.
-pub type Commands = Consumer<'static, HostMessage>;
-
 /// The lines, for the idle task.
-pub struct Lines {
+pub struct BothLines {
     /// The serial line.
     pub serial: (Commands, serial::Sender),
     /// The line over USB; none if its clock does not run.
@@ -19,9 +18,8 @@ pub struct Lines {
     pub usb_leads: bool,
 }
 
-impl Lines {
-    /// The next message of the host that leads.
-    pub fn next(&mut self) -> Option<HostMessage> {
+impl Lines for BothLines {
+    fn next(&mut self) -> Option<HostMessage> {
         let (commands, _) = &mut self.serial;
         let over_usb = self.usb.as_mut().map(|(commands, _)| commands);
         let lines = [Some(commands), over_usb].into_iter().zip([false, true]);
@@ -39,16 +37,14 @@ impl Lines {
         None
     }
 
-    /// Sends a frame to the host that leads.
-    pub fn send(&mut self, frame: &Frame) {
+    fn send(&mut self, frame: &Frame) {
         match (&mut self.usb, self.usb_leads) {
             (Some((_, sender)), true) => sender.send(frame),
             _ => self.serial.1.send(frame),
         }
     }
 
-    /// Lets what waits go on. Called in each round of the idle task.
-    pub fn advance(&mut self) {
+    fn advance(&mut self) {
         self.serial.1.advance();
     }
 }

@@ -2,7 +2,7 @@
 
 use super::resets;
 use core::convert::Infallible;
-use embedded_hal::digital::{ErrorType, InputPin};
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin, PinState};
 use rp235x_pac::io_bank0::gpio::gpio_ctrl::FUNCSEL_A;
 use rp235x_pac::{IO_BANK0, PADS_BANK0, RESETS, SIO};
 
@@ -170,5 +170,25 @@ impl<const PIN: usize> Out<PIN> {
                 sio.gpio_out_clr().write(|w| w.bits(1 << PIN));
             }
         }
+    }
+}
+
+impl<const PIN: usize> ErrorType for Out<PIN> {
+    type Error = Infallible;
+}
+
+impl<const PIN: usize> OutputPin for Out<PIN> {
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.set_state(PinState::High)
+    }
+
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.set_state(PinState::Low)
+    }
+
+    #[inline]
+    fn set_state(&mut self, state: PinState) -> Result<(), Infallible> {
+        self.write(state == PinState::High);
+        Ok(())
     }
 }

@@ -21,13 +21,16 @@ const ROOM: usize = 2 * MAX_FRAME;
 /// The receiving half, for the interrupt.
 pub struct Receiver(());
 
+/// Bytes on their way to the chip.
+pub type Waiting = Deque<u8, ROOM>;
+
 /// The sending half.
 pub struct Sender {
-    waiting: Deque<u8, ROOM>,
+    waiting: &'static mut Waiting,
 }
 
 /// Sets the line up.
-pub fn new(uart: &UART0, resets: &RESETS) -> (Receiver, Sender) {
+pub fn new(uart: &UART0, waiting: &'static mut Waiting, resets: &RESETS) -> (Receiver, Sender) {
     resets::reset(resets, resets::UART0);
     // SAFETY: 16 and 6 bits of the divider, and the codes of 8 bits and of half full.
     #[allow(unsafe_code)]
@@ -42,7 +45,6 @@ pub fn new(uart: &UART0, resets: &RESETS) -> (Receiver, Sender) {
         .write(|w| w.rxim().set_bit().rtim().set_bit());
     uart.uartcr()
         .write(|w| w.uarten().set_bit().txe().set_bit().rxe().set_bit());
-    let waiting = Deque::new();
     (Receiver(()), Sender { waiting })
 }
 

@@ -2,6 +2,7 @@
 
 use super::clocks::CORE;
 use super::{pins, resets};
+use crate::board::image::Tool;
 use crate::settings::{ALWAYS, Share, ToolOutputSettings};
 use rp235x_pac::{PWM, RESETS};
 
@@ -18,18 +19,17 @@ pub struct ToolTimer {
     pwm: PWM,
 }
 
-/// The compare value: what each tick sets.
-pub struct ToolChannel(());
-
-/// The slice and its channel. The pin floats.
-pub fn new(pwm: PWM, resets: &RESETS) -> (ToolTimer, ToolChannel) {
-    resets::reset(resets, resets::PWM);
-    (ToolTimer { pwm }, ToolChannel(()))
+impl ToolTimer {
+    /// The slice. The pin floats.
+    pub fn new(pwm: PWM, resets: &RESETS) -> Self {
+        resets::reset(resets, resets::PWM);
+        Self { pwm }
+    }
 }
 
-impl ToolTimer {
-    /// Sets the slice up, with the tool off. The pin floats meanwhile, and stays so without an output.
-    pub fn configure(&mut self, output: &ToolOutputSettings) {
+impl Tool for ToolTimer {
+    /// Sets the slice up. The pin floats meanwhile, and stays so without an output.
+    fn configure(&mut self, output: &ToolOutputSettings) {
         pins::drive_tool(false);
         let slice = self.pwm.ch(SLICE);
         slice.csr().reset();
@@ -49,16 +49,14 @@ impl ToolTimer {
             slice.div().write(|w| w.bits(divider));
             slice.top().write(|w| w.bits(top as u32 - 1));
         }
-        ToolChannel(()).set(output.off());
+        Self::set(output.off());
         slice.csr().write(|w| w.en().set_bit());
         pins::drive_tool(true);
     }
-}
 
-impl ToolChannel {
-    /// The pin is high for this share of each frame, from the next frame on: no pulse is cut.
+    /// From the next frame on: no pulse is cut.
     #[inline]
-    pub fn set(&self, share: Share) {
+    fn set(share: Share) {
         // SAFETY: the compare register is written here alone: in the tick, and while the slice is set up, where both write the
         // same output.
         #[allow(unsafe_code)]

@@ -1,6 +1,6 @@
 //! The watchdog, refreshed only when every task has advanced. It counts microseconds of the crystal.
 
-use crate::board::alive;
+use crate::board::{alive, image};
 use rp235x_pac::{PSM, WATCHDOG, psm, watchdog};
 
 /// 50 ms.
@@ -15,10 +15,11 @@ pub struct Watchdog {
     watchdog: WATCHDOG,
 }
 
-impl Watchdog {
-    /// Starts it.
-    pub fn start(watchdog: WATCHDOG, psm: &PSM) -> Self {
-        choose_all(psm);
+impl image::Watchdog for Watchdog {
+    type Stopped = (WATCHDOG, PSM);
+
+    fn start((watchdog, psm): Self::Stopped) -> Self {
+        choose_all(&psm);
         let mut watchdog = Self { watchdog };
         watchdog.load(RUNNING);
         // It counts on while a debugger halts the core.
@@ -29,21 +30,21 @@ impl Watchdog {
         watchdog
     }
 
-    /// Refreshes the watchdog if every task has advanced since the last refresh.
-    pub fn refresh_if_all_advanced(&mut self) {
+    fn refresh_if_all_advanced(&mut self) {
         if alive::all_advanced() {
             self.load(RUNNING);
         }
     }
 
-    /// Runs `work` with a timeout that is long enough for erasing flash.
-    pub fn with_erase_timeout<R>(&mut self, work: impl FnOnce() -> R) -> R {
+    fn with_erase_timeout<R>(&mut self, work: impl FnOnce() -> R) -> R {
         self.load(ERASING);
         let result = work();
         self.load(RUNNING);
         result
     }
+}
 
+impl Watchdog {
     fn load(&mut self, microseconds: u32) {
         // SAFETY: 24 bits.
         #[allow(unsafe_code)]

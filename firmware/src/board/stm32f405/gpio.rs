@@ -2,7 +2,7 @@
 
 use crate::drivers::boards::{Peripheral, Pin};
 use core::convert::Infallible;
-use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin, PinState};
 use stm32f4xx_hal::pac::{GPIOC, RCC, gpioc};
 
 /// Bytes from the registers of one port to those of the next.
@@ -173,6 +173,12 @@ impl<const PIN: u8> OutputPin for Out<PIN> {
     #[inline(always)]
     fn set_low(&mut self) -> Result<(), Infallible> {
         self.write(false);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn set_state(&mut self, state: PinState) -> Result<(), Infallible> {
+        self.write(state == PinState::High);
         Ok(())
     }
 }

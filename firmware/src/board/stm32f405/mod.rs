@@ -1,7 +1,7 @@
 //! The STM32F405RG: everything that accesses registers. The rest of the crate does not depend on
 //! it.
 //!
-//! Each file holds one driver; `docs/use/wiring.md` lists the pins, `memory.x` the memory. [`image`] is the program, and
+//! Each file holds one driver; `docs/use/wiring.md` lists the pins, `memory.x` the memory. [`image`] is what the one program asks for, and
 //! [`brushed`], [`stepper`] and [`can`] are what it has for one kind of drive alone. Every wait has a bound. None of this has run on silicon yet: `docs/use/bring-up.md` says what the
 //! emulator has shown.
 
@@ -13,12 +13,10 @@ pub mod crystal;
 pub mod gpio;
 pub mod halt;
 pub mod image;
-pub mod outputs;
 pub mod pins;
 pub mod post_mortem;
 pub mod self_test;
 pub mod serial;
-pub mod services;
 pub mod stepper;
 pub mod storage;
 pub mod tool;

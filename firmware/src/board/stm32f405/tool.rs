@@ -12,6 +12,7 @@
 
 use super::gpio::{self, Resistor};
 use super::pins::PINS;
+use crate::board::image::Tool;
 use crate::drivers::boards::Peripheral;
 use crate::settings::{ALWAYS, Share, ToolOutputSettings};
 use stm32f4xx_hal::pac::{RCC, TIM3};
@@ -30,26 +31,23 @@ pub struct ToolTimer {
     clock: f32,
 }
 
-/// The compare value: what each tick sets.
-pub struct ToolChannel(());
-
-/// The timer, with its clock of `clock` [Hz], and its channel. The pin floats.
-pub fn new(timer: TIM3, clock: u32, rcc: &mut RCC) -> (ToolTimer, ToolChannel) {
-    TIM3::enable(rcc);
-    TIM3::reset(rcc);
-    gpio::connect(PINS.tool, Peripheral::Tim3, Resistor::None);
-    gpio::drive(PINS.tool, false);
-    let timer = ToolTimer {
-        timer,
-        clock: clock as f32,
-    };
-    (timer, ToolChannel(()))
+impl ToolTimer {
+    /// The timer, with its clock of `clock` [Hz]. The pin floats.
+    pub fn new(timer: TIM3, clock: u32, rcc: &mut RCC) -> Self {
+        TIM3::enable(rcc);
+        TIM3::reset(rcc);
+        gpio::connect(PINS.tool, Peripheral::Tim3, Resistor::None);
+        gpio::drive(PINS.tool, false);
+        Self {
+            timer,
+            clock: clock as f32,
+        }
+    }
 }
 
-impl ToolTimer {
-    /// Sets the timer up, with the tool off. The pin floats meanwhile, and stays so without an
-    /// output.
-    pub fn configure(&mut self, output: &ToolOutputSettings) {
+impl Tool for ToolTimer {
+    /// Sets the timer up. The pin floats meanwhile, and stays so without an output.
+    fn configure(&mut self, output: &ToolOutputSettings) {
         gpio::drive(PINS.tool, false);
         self.timer.cr1().reset();
         let (divider, frame) = match *output {
@@ -71,19 +69,16 @@ impl ToolTimer {
         timer
             .ccmr1_output()
             .write(|w| w.oc2m().pwm_mode1().oc2pe().bit(is_servo));
-        ToolChannel(()).set(output.off());
+        Self::set(output.off());
         timer.ccer().write(|w| w.cc2e().set_bit());
         // Loads the preloaded values.
         timer.egr().write(|w| w.ug().update());
         timer.cr1().write(|w| w.cen().enabled());
         gpio::drive(PINS.tool, true);
     }
-}
 
-impl ToolChannel {
-    /// The pin is high for this share of each frame.
     #[inline]
-    pub fn set(&self, share: Share) {
+    fn set(share: Share) {
         // SAFETY: the compare register is written here alone: in the tick, and while the timer is
         // set up, where both write the same output.
         #[allow(unsafe_code)]

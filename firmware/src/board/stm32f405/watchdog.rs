@@ -6,7 +6,7 @@
 //! ([`halt`]).
 
 use super::halt;
-use crate::board::alive;
+use crate::board::{alive, image};
 use stm32f4xx_hal::pac::IWDG;
 
 /// The values of the key register: access to the others, refresh, start.
@@ -40,31 +40,33 @@ pub struct Watchdog {
     iwdg: IWDG,
 }
 
-impl Watchdog {
-    /// Starts it. Until the first values arrive, it bites after 0.5 s.
-    pub fn start(iwdg: IWDG) -> Self {
+impl image::Watchdog for Watchdog {
+    type Stopped = IWDG;
+
+    /// Until the first values arrive, it bites after 0.5 s.
+    fn start(iwdg: IWDG) -> Self {
         let mut watchdog = Self { iwdg };
         watchdog.write_key(START);
         watchdog.set(RUNNING);
         watchdog
     }
 
-    /// Refreshes the watchdog if every task has advanced since the last refresh.
-    pub fn refresh_if_all_advanced(&mut self) {
+    fn refresh_if_all_advanced(&mut self) {
         if alive::all_advanced() {
             self.write_key(REFRESH);
             halt::keep_watchdog_counting();
         }
     }
 
-    /// Runs `work` with a timeout that is long enough for erasing flash.
-    pub fn with_erase_timeout<R>(&mut self, work: impl FnOnce() -> R) -> R {
+    fn with_erase_timeout<R>(&mut self, work: impl FnOnce() -> R) -> R {
         self.set(ERASING);
         let result = work();
         self.set(RUNNING);
         result
     }
+}
 
+impl Watchdog {
     /// Sets a timeout, waits until it has arrived, and refreshes.
     fn set(&mut self, timeout: Timeout) {
         self.write_key(ACCESS);

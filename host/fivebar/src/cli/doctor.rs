@@ -24,7 +24,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let blocking: Vec<&str> = checks
         .iter()
         .filter(|check| check.blocks(&args.tasks))
-        .map(|check| check.what)
+        .map(|check| &*check.what)
         .collect();
     if args.json {
         let answer = json!({

@@ -14,6 +14,7 @@ use fivebar_files::scenario::{RefusedModeChange, Scenario};
 use fivebar_firmware::protocol::Board;
 use fivebar_firmware::{Move, Status};
 use fivebar_plant::Stepper;
+use fivebar_sim::boards::{Facts, Ticks};
 use fivebar_sim::drive::{Drive, DriveError, Homing, job_moves};
 use fivebar_sim::link::motors_of;
 use fivebar_sim::machine::Machine;
@@ -165,10 +166,7 @@ fn unseen(robot: &Robot) -> &'static str {
 /// Refuses a controller without motors, and one for motors of another kind than the robot's: its settings mean something
 /// else.
 fn refuse_other(board: Board, machine: &Machine) -> Result<(), Failure> {
-    if matches!(
-        board,
-        Board::Emulated | Board::EmulatedStepper | Board::EmulatedCan
-    ) {
+    if Facts::of(board).ticks == Ticks::Host {
         let reason = "an emulated board has no motors; run the job on it with `fivebar pil`";
         return Err(Failure::Refused(reason.into()));
     }

@@ -85,7 +85,7 @@ fn find_drive(named: Option<&Path>) -> Result<Option<PathBuf>, Failure> {
     };
     let shown = folder.display();
     match kind(folder) {
-        DriveKind::Rp2350 => Ok(Some(folder.to_owned())),
+        DriveKind::Ours => Ok(Some(folder.to_owned())),
         DriveKind::Other(board) => Err(refused(format_args!(
             "{shown} is the drive of another board ({board}): the image is for an RP2350 (Pico 2)"
         ))),

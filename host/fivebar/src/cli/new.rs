@@ -6,7 +6,8 @@ use super::say::{hint, leave_output_to, say, warn};
 use fivebar_files::robot::{BuiltIn, Draft, DraftError, Motors};
 use fivebar_report::output::{STANDARD_OUTPUT, write_new};
 use fivebar_report::text::no_demo_scale;
-use fivebar_sim::machine::{BoardImage, Machine};
+use fivebar_sim::boards::BoardImage;
+use fivebar_sim::machine::Machine;
 use fivebar_sim::simulation::find_demo_scale;
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
@@ -57,11 +58,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let robot = draft.check().map_err(refused)?;
     let images = match draft.motors {
-        Motors::Ideal => &[],
-        _ => Machine::of(robot.drive_kind()).images,
+        Motors::Ideal => Vec::new(),
+        _ => Machine::of(robot.drive_kind()).images().collect(),
     };
-    let image = match images {
-        [first, _, ..] if !args.defaults => Some(choose(images, first, &mut io::stdin().lock())?),
+    let image = match &images[..] {
+        [first, _, ..] if !args.defaults => Some(choose(&images, first, &mut io::stdin().lock())?),
         _ => images.first(),
     };
     let command = format!("fivebar sim --robot {}", in_shell(&file.to_string()));
@@ -87,17 +88,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// Asks for the board where several have an image for these motors. The file is the same for all of them.
-fn choose(
-    images: &'static [BoardImage],
-    first: &'static BoardImage,
+fn choose<'a>(
+    images: &'a [BoardImage],
+    first: &'a BoardImage,
     input: &mut impl BufRead,
-) -> Result<&'static BoardImage, Failure> {
-    let chips: Vec<_> = images.iter().map(|image| image.chip).collect();
+) -> Result<&'a BoardImage, Failure> {
+    let chips: Vec<_> = images.iter().map(|image| image.chip.name).collect();
     loop {
         hint(format_args!(
             "Board: {} [{}]: ",
             chips.join(" or "),
-            first.chip
+            first.chip.name
         ));
         let mut line = String::new();
         input.read_line(&mut line).map_err(refused)?;
@@ -105,7 +106,7 @@ fn choose(
         if answer.is_empty() {
             return Ok(first);
         }
-        match images.iter().find(|image| image.chip == answer) {
+        match images.iter().find(|image| image.chip.name == answer) {
             Some(image) => return Ok(image),
             None => warn(format_args!(
                 "  Not valid: {answer}; answer {}",

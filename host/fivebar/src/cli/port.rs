@@ -2,7 +2,8 @@
 
 use super::failure::{Failure, refused};
 use super::say::warn;
-use fivebar_firmware::protocol::{Board, Identity, Reset};
+use fivebar_firmware::protocol::{Identity, Reset};
+use fivebar_sim::boards::Facts;
 use fivebar_sim::link::{Client, SerialLine, Tracer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -40,24 +41,10 @@ impl PortArgs {
         warn(format_args!(
             "{}: {}, firmware {major}.{minor}.{patch}, last reset {}",
             self.port,
-            board(identity.board),
+            Facts::of(identity.board).words(),
             cause(identity.reset)
         ));
         Ok((client, identity))
-    }
-}
-
-fn board(board: Board) -> &'static str {
-    match board {
-        Board::Desktop => "a controller in a process on a desktop",
-        Board::Emulated => "an emulated board for brushed motors",
-        Board::EmulatedStepper => "an emulated board for steppers",
-        Board::EmulatedCan => "an emulated board for drives on a CAN bus",
-        Board::Stm32f405 => "an STM32F405 for brushed motors",
-        Board::Stm32f405Stepper => "an STM32F405 for steppers",
-        Board::Stm32f405Can => "an STM32F405 for drives on a CAN bus",
-        Board::Rp2350Servo => "an RP2350 for hobby servos",
-        Board::Rp2350Stepper => "an RP2350 for steppers",
     }
 }
 

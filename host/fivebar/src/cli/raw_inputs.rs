@@ -3,9 +3,11 @@
 use super::failure::{Failure, refused};
 use super::monitor::{Args, show};
 use super::port::PortClient;
+use fivebar_files::robot::DriveKind;
 use fivebar_firmware::drives::words::{SensedWords, torque_of};
 use fivebar_firmware::protocol::Board;
 use fivebar_firmware::{Settings, ToldSample};
+use fivebar_sim::boards::Facts;
 use std::io::{ErrorKind, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -51,19 +53,19 @@ fn sensed(board: Board, words: &SensedWords, [peak1, peak4]: [f32; 2]) -> String
         joints: [word1, word4],
         both,
     } = *words;
-    match board {
-        Board::Stm32f405Stepper | Board::Rp2350Stepper | Board::EmulatedStepper => {
+    match Facts::of(board).drives {
+        Some(DriveKind::Stepper) => {
             format!("micro-steps {:6} {:6}", word1 as i16, word4 as i16)
         }
-        Board::Rp2350Servo => {
+        Some(DriveKind::Servo) => {
             format!("pulse units {:6} {:6}", word1 as i16, word4 as i16)
         }
-        Board::Stm32f405Can | Board::EmulatedCan => {
+        Some(DriveKind::CanTorque) => {
             let (torque1, torque4) = (torque_of(word1, peak1), torque_of(word4, peak4));
             let [age1, age4] = both.to_le_bytes();
             format!("torques {torque1:8.4} {torque4:8.4} N·m  ages {age1:3} {age4:3} ticks")
         }
-        Board::Desktop | Board::Emulated | Board::Stm32f405 => {
+        Some(DriveKind::Brushed) | None => {
             format!("currents {word1:4} {word4:4} codes  bus {both:4} codes")
         }
     }
@@ -95,7 +97,8 @@ fn inputs(sample: &ToldSample, drives: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Board, SensedWords, sensed};
+    use super::{DriveKind, SensedWords, sensed};
+    use fivebar_sim::boards::IMAGES;
 
     #[test]
     fn each_kind_of_drive_shows_what_it_senses_with_its_unit() {
@@ -103,17 +106,14 @@ mod tests {
             joints: [8192, (-4096_i16) as u16],
             both: 0x0201,
         };
-        for (board, wanted) in [
-            (Board::Stm32f405, "currents 8192 61440 codes bus 513 codes"),
-            (Board::Stm32f405Stepper, "micro-steps 8192 -4096"),
-            (Board::Rp2350Stepper, "micro-steps 8192 -4096"),
-            (Board::Rp2350Servo, "pulse units 8192 -4096"),
-            (
-                Board::Stm32f405Can,
-                "torques 1.0000 -0.7500 N·m ages 1 2 ticks",
-            ),
-        ] {
-            let shown = sensed(board, &words, [2.0, 3.0]);
+        for image in IMAGES {
+            let wanted = match image.drives {
+                DriveKind::Brushed => "currents 8192 61440 codes bus 513 codes",
+                DriveKind::Stepper => "micro-steps 8192 -4096",
+                DriveKind::Servo => "pulse units 8192 -4096",
+                DriveKind::CanTorque => "torques 1.0000 -0.7500 N·m ages 1 2 ticks",
+            };
+            let shown = sensed(image.board, &words, [2.0, 3.0]);
             assert_eq!(
                 shown.split_whitespace().collect::<Vec<_>>().join(" "),
                 wanted

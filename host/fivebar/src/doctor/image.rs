@@ -4,6 +4,7 @@ use super::State;
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
 use fivebar_firmware::controller::Request;
+use fivebar_sim::boards::BoardImage;
 use fivebar_sim::link::{EmulatedDrives, Emulator, EmulatorError, Lockstep, Target};
 use fivebar_sim::simulation::{SimulatedArm, SimulatedDrives};
 use std::error::Error;
@@ -12,14 +13,9 @@ use std::path::Path;
 /// Ticks of homing that are compared with this program's.
 const TICKS: usize = 200;
 
-/// Whether an image exists at the place where scripts/firmware.sh builds it.
-pub(super) fn state(name: &str) -> State {
-    state_at(&Emulator::built_image(name), "scripts/firmware.sh")
-}
-
-/// The same of a Pico 2, where scripts/pico.sh builds it.
-pub(super) fn state_of_pico(name: &str) -> State {
-    state_at(&Emulator::built_pico_image(name), "scripts/pico.sh image")
+/// Whether an image exists at the place where its script builds it.
+pub(super) fn state(image: &BoardImage) -> State {
+    state_at(&image.built(), image.chip.script)
 }
 
 fn state_at(path: &Path, builder: &str) -> State {
@@ -34,8 +30,8 @@ fn state_at(path: &Path, builder: &str) -> State {
 
 /// The state of an emulated board's image. It must give the same outputs as this program.
 pub(super) fn of_emulated_board<I: EmulatedDrives + SimulatedDrives>(robot: &str) -> State {
-    let found = state(I::IMAGE);
     let image = I::built_image();
+    let found = state_at(&image, "scripts/firmware.sh");
     if matches!(found, State::Missing(_)) {
         return found;
     }

@@ -10,9 +10,12 @@ mod probe;
 use fivebar_files::robot::BuiltIn;
 use fivebar_firmware::drives::can::BusDrives;
 use fivebar_firmware::drives::{BrushedDrives, StepDrives};
+use fivebar_sim::boards::IMAGES;
+use fivebar_sim::machine::Machine;
 pub use image::compare_outputs;
 use probe::{first_line, has_header, has_rust_target};
 use serde::Serialize;
+use std::borrow::Cow;
 
 /// The compiler's name for the Cortex-M4F, as scripts/toolchain.sh has it.
 const TARGET: &str = "thumbv7em-none-eabihf";
@@ -41,9 +44,9 @@ pub enum Task {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Check {
     /// Its name.
-    pub what: &'static str,
+    pub what: Cow<'static, str>,
     /// Its purpose.
-    pub purpose: &'static str,
+    pub purpose: Cow<'static, str>,
     /// The tasks that need it.
     pub needed_for: &'static [Task],
     /// The result.
@@ -83,14 +86,14 @@ pub fn examine() -> Vec<Check> {
 fn of_boards() -> [Check; 6] {
     [
         Check {
-            what: "rustc",
-            purpose: "compiles the firmware",
+            what: "rustc".into(),
+            purpose: "compiles the firmware".into(),
             needed_for: &[Task::Firmware, Task::Chip],
             state: program("rustc", "install Rust with rustup, see https://rustup.rs"),
         },
         Check {
-            what: TARGET,
-            purpose: "Rust's library for the Cortex-M4F",
+            what: TARGET.into(),
+            purpose: "Rust's library for the Cortex-M4F".into(),
             needed_for: &[Task::Firmware, Task::Chip],
             state: match has_rust_target(TARGET) {
                 Some(place) => State::Found(place),
@@ -101,8 +104,8 @@ fn of_boards() -> [Check; 6] {
             },
         },
         Check {
-            what: "qemu-system-arm",
-            purpose: "emulates the Cortex-M4F",
+            what: "qemu-system-arm".into(),
+            purpose: "emulates the Cortex-M4F".into(),
             needed_for: &[Task::Pil],
             state: program(
                 "qemu-system-arm",
@@ -110,8 +113,8 @@ fn of_boards() -> [Check; 6] {
             ),
         },
         Check {
-            what: "unicorn",
-            purpose: "emulates the core of the simulated STM32F405",
+            what: "unicorn".into(),
+            purpose: "emulates the core of the simulated STM32F405".into(),
             needed_for: &[Task::Chip],
             state: match has_header("unicorn/unicorn.h") {
                 Some(place) => State::Found(place),
@@ -123,14 +126,14 @@ fn of_boards() -> [Check; 6] {
             },
         },
         Check {
-            what: "probe-rs",
-            purpose: "flashes an image to a board with a debug probe",
+            what: "probe-rs".into(),
+            purpose: "flashes an image to a board with a debug probe".into(),
             needed_for: &[Task::Flash],
             state: program("probe-rs", "`cargo install probe-rs-tools`"),
         },
         Check {
-            what: "serial port",
-            purpose: "connects to a board",
+            what: "serial port".into(),
+            purpose: "connects to a board".into(),
             needed_for: &[Task::Port],
             state: ports::state(),
         },
@@ -138,65 +141,47 @@ fn of_boards() -> [Check; 6] {
 }
 
 /// The firmware for each kind of drives, emulated and for the microcontroller.
-fn of_images() -> [Check; 8] {
-    [
+fn of_images() -> impl Iterator<Item = Check> {
+    let emulated = [
         Check {
-            what: "image qemu",
-            purpose: "the firmware for the emulated board",
+            what: "image qemu".into(),
+            purpose: "the firmware for the emulated board".into(),
             needed_for: &[Task::Pil],
             state: image::of_emulated_board::<BrushedDrives>(BuiltIn::DEFAULT),
         },
         Check {
-            what: "image qemu_stepper",
-            purpose: "the same for steppers",
+            what: "image qemu_stepper".into(),
+            purpose: "the same for steppers".into(),
             needed_for: &[Task::Pil],
             state: image::of_emulated_board::<StepDrives>("benchtop_stepper"),
         },
         Check {
-            what: "image qemu_can",
-            purpose: "the same for drives on a CAN bus",
+            what: "image qemu_can".into(),
+            purpose: "the same for drives on a CAN bus".into(),
             needed_for: &[Task::Pil],
             state: image::of_emulated_board::<BusDrives>("leg"),
         },
-        Check {
-            what: "image stm32f405",
-            purpose: "the firmware for the microcontroller",
-            needed_for: &[Task::Flash],
-            state: image::state("stm32f405"),
-        },
-        Check {
-            what: "image stm32f405_stepper",
-            purpose: "the same for steppers",
-            needed_for: &[Task::Flash],
-            state: image::state("stm32f405_stepper"),
-        },
-        Check {
-            what: "image stm32f405_can",
-            purpose: "the same for drives on a CAN bus",
-            needed_for: &[Task::Flash],
-            state: image::state("stm32f405_can"),
-        },
-        Check {
-            what: "image rp2350_servo",
-            purpose: "the same of a Pico 2 for hobby servos",
-            needed_for: &[Task::Flash],
-            state: image::state_of_pico("rp2350_servo"),
-        },
-        Check {
-            what: "image rp2350_stepper",
-            purpose: "the same of a Pico 2 for steppers",
-            needed_for: &[Task::Flash],
-            state: image::state_of_pico("rp2350_stepper"),
-        },
-    ]
+    ];
+    let with_motors = IMAGES.map(|image| Check {
+        what: format!("image {}", image.name).into(),
+        purpose: format!(
+            "the firmware for {} with {}",
+            image.chip.called,
+            Machine::of(image.drives).motors
+        )
+        .into(),
+        needed_for: &[Task::Flash],
+        state: image::state(&image),
+    });
+    emulated.into_iter().chain(with_motors)
 }
 
 /// What the browser's test and the Python package need.
 fn of_browser_and_python() -> [Check; 4] {
     [
         Check {
-            what: "chromium",
-            purpose: "shows the live page in its test",
+            what: "chromium".into(),
+            purpose: "shows the live page in its test".into(),
             needed_for: &[Task::Browser],
             state: program(
                 "chromium",
@@ -204,8 +189,8 @@ fn of_browser_and_python() -> [Check; 4] {
             ),
         },
         Check {
-            what: "chromedriver",
-            purpose: "controls the browser in that test",
+            what: "chromedriver".into(),
+            purpose: "controls the browser in that test".into(),
             needed_for: &[Task::Browser],
             state: program(
                 "chromedriver",
@@ -213,8 +198,8 @@ fn of_browser_and_python() -> [Check; 4] {
             ),
         },
         Check {
-            what: "python3",
-            purpose: "runs the Python package and some of the tests",
+            what: "python3".into(),
+            purpose: "runs the Python package and some of the tests".into(),
             needed_for: &[Task::Browser, Task::Python],
             state: program(
                 "python3",
@@ -222,8 +207,8 @@ fn of_browser_and_python() -> [Check; 4] {
             ),
         },
         Check {
-            what: "maturin",
-            purpose: "builds the Python package by hand; pip installs its own",
+            what: "maturin".into(),
+            purpose: "builds the Python package by hand; pip installs its own".into(),
             needed_for: &[],
             state: program("maturin", "`pip install maturin`"),
         },
@@ -244,8 +229,8 @@ mod tests {
     #[test]
     fn a_check_blocks_a_task_that_needs_what_is_missing_or_outdated() {
         let check = |state| Check {
-            what: "",
-            purpose: "",
+            what: "".into(),
+            purpose: "".into(),
             needed_for: &[Task::Pil, Task::Flash],
             state,
         };

@@ -8,14 +8,11 @@ use std::path::{Path, PathBuf};
 
 /// The file by which a boot loader says which chip it is of.
 const INFO: &str = "INFO_UF2.TXT";
-/// Its line of an RP2350.
-const BOARD: &str = "Board-ID: RP2350";
-
 /// What a folder is, as a drive of a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DriveKind {
-    /// The boot loader of an RP2350.
-    Rp2350,
+    /// The boot loader of a board that takes our files.
+    Ours,
     /// That of another board, by what it says of itself.
     Other(String),
     /// No drive of a boot loader.
@@ -27,14 +24,14 @@ pub fn kind(folder: &Path) -> DriveKind {
     let Ok(text) = std::fs::read_to_string(folder.join(INFO)) else {
         return DriveKind::None;
     };
-    if text.lines().any(|line| line.trim() == BOARD) {
-        return DriveKind::Rp2350;
+    if text.lines().any(|line| line.trim() == uf2::BOARD_ID) {
+        return DriveKind::Ours;
     }
     let line = text.lines().find(|line| line.starts_with("Board-ID"));
     DriveKind::Other(line.unwrap_or("no Board-ID").trim().to_owned())
 }
 
-/// The drives of RP2350s that are mounted where systems mount them.
+/// The drives of such boards that are mounted where systems mount them.
 pub fn drives() -> Vec<PathBuf> {
     let folders = |path: &str| {
         let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
@@ -49,7 +46,7 @@ pub fn drives() -> Vec<PathBuf> {
     found.extend(below);
     found.extend(users.iter().cloned());
     found.extend(letters.map(|letter| PathBuf::from(format!("{letter}:\\"))));
-    found.retain(|folder| kind(folder) == DriveKind::Rp2350);
+    found.retain(|folder| kind(folder) == DriveKind::Ours);
     found
 }
 

@@ -1,4 +1,4 @@
-//! Files for drag and drop (Microsoft's UF2), as `scripts/uf2.py` writes them: what must be true of one before a board gets it.
+//! Files for drag and drop (Microsoft's UF2), as `uf2.py` of the board's folder writes them: what must be true of one before a board gets it.
 
 use std::collections::BTreeSet;
 
@@ -16,6 +16,8 @@ const OTHERS: [(u32, &str); 3] = [
     (0xe48b_ff5a, "the RISC-V cores of an RP2350"),
     (0xe48b_ff5b, "an RP2350 without security"),
 ];
+/// What the boot loader of an RP2350 says of itself.
+pub(super) const BOARD_ID: &str = "Board-ID: RP2350";
 /// Where programs lie: behind them are the settings.
 const PROGRAM: std::ops::Range<u32> = 0x1000_0000..0x1008_0000;
 /// The images for an RP2350, as each has its name in it.

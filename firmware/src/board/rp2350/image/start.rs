@@ -1,61 +1,23 @@
-//! The start of an image: from the reset to the first tick.
+//! What each image sets up of the chip: from the reset to the one body's start.
 
-use super::tasks::{Hearing, Idle};
-use super::{Controller, Locked, Parts};
-use crate::board::cycles::{CycleMeter, TickTimes};
-use crate::board::exchanged::Place;
-use crate::board::log::EventLog;
-use crate::board::rp2350::lines::Lines;
-use crate::board::rp2350::outputs::CommonOutputs;
+use super::{LinePlaces, OnChip};
+use crate::board::image::Hardware;
+use crate::board::image::tasks::Commands;
+use crate::board::rp2350::flash::SettingsFlash;
+use crate::board::rp2350::lines::BothLines;
 use crate::board::rp2350::pins::{self, Pins};
-use crate::board::rp2350::services::{self, BoardServices};
+use crate::board::rp2350::tool::ToolTimer;
 use crate::board::rp2350::usb::{self, bus::Bus};
-use crate::board::rp2350::watchdog::Watchdog;
-use crate::board::rp2350::{clocks, end, serial, tool};
-use crate::board::stored;
-use crate::drives::BlindStepDrives;
-use crate::planner::Planner;
-use crate::protocol::{Decoder, HostMessage, Identity};
-use crate::session::{self, Board, Session, WAITING, fault_at_start};
-use crate::{ArmSample, ToldSample};
+use crate::board::rp2350::{clocks, end, serial};
+use crate::storage::SettingsStorage;
 
-use core::mem::MaybeUninit;
-use heapless::spsc::{Producer, Queue};
-
-/// Where what lasts as long as the program is put.
-#[allow(missing_docs, reason = "each is named after what is put there")]
-pub struct Places {
-    pub queues: &'static mut [Queue<HostMessage, WAITING>; 2],
-    pub usb: &'static mut usb::Place,
-    pub usb_waiting: &'static mut usb::Waiting,
-    pub controllers: &'static mut [Place<BlindStepDrives>; 2],
-    pub planner: &'static mut Planner,
-    pub session: &'static mut MaybeUninit<Session>,
-}
-
-/// What the tasks have.
-pub struct Image<P: Parts> {
-    /// Shared by the tick and the session.
-    pub locked: Locked<P>,
-    /// The tick's.
-    pub meter: CycleMeter,
-    /// The tick's.
-    pub outputs: CommonOutputs,
-    /// The serial line's.
-    pub receiver: (serial::Receiver, Hearing),
-    /// The line's over USB.
-    pub usb: (Option<usb::Device>, Hearing),
-    /// The idle task's.
-    pub idle: Idle,
-}
-
-/// Starts the image. Interrupts are masked.
+/// Sets the chip up. Interrupts are masked.
 #[inline(always)]
-pub fn start<P: Parts>(
+pub fn set_up<P: OnChip>(
     device: rp235x_pac::Peripherals,
-    mut core: cortex_m::Peripherals,
-    places: Places,
-) -> Image<P> {
+    places: &'static mut LinePlaces,
+    commands: Commands,
+) -> Hardware<P> {
     let resets = &device.RESETS;
     let reset = end::reset_reason(&device.WATCHDOG, &device.POWMAN);
     let started = clocks::start(
@@ -74,75 +36,34 @@ pub fn start<P: Parts>(
     }
     let pins = Pins::new(&device.IO_BANK0, &device.PADS_BANK0, resets);
     let brake = pins::set_up(&pins);
-    let mut parts = P::new(device.PIO0, &pins, resets);
-    let (tool_timer, tool) = tool::new(device.PWM, resets);
-    let (receiver, sender) = serial::new(&device.UART0, resets);
-    let [(arrived, commands), (usb_arrived, usb_commands)] =
-        places.queues.each_mut().map(Queue::split);
+    let parts = P::new(device.PIO0, &pins, resets);
+    let tool = ToolTimer::new(device.PWM, resets);
+    let (receiver, sender) = serial::new(&device.UART0, &mut places.waiting, resets);
+    let (usb_arrived, usb_commands) = places.usb_queue.split();
     let usb_runs = clocks::start_usb(&device.PLL_USB, &device.CLOCKS, resets);
     let (usb, usb_sender) = usb_runs
         .map(|()| {
             let bus = Bus::new(device.USB, device.USB_DPRAM, resets);
-            usb::new(places.usb, places.usb_waiting, bus, P::NAME)
+            usb::new(&mut places.usb, bus, P::NAME)
         })
         .ok()
         .unzip();
-
-    let mut storage = services::open();
-    let mut settings = stored::benchtop();
-    let missing = stored::load(&mut storage, &P::LIMITS, &mut settings).err();
-    let settings = &settings;
-    let mut services = BoardServices {
-        storage,
-        limits: P::LIMITS,
-        tool: tool_timer,
-        watchdog: Watchdog::start(device.WATCHDOG, &device.PSM),
-        sample: ToldSample::default(),
-        times: TickTimes::new(),
-    };
-    if missing.is_none() {
-        services.use_settings(settings);
-    }
-    parts.use_settings(settings);
-    defmt::info!("started after a reset: {}", reset);
-
-    let identity = Identity::new(P::BOARD, reset);
-    places.planner.reset(settings);
-    let [controller, spare] = places.controllers;
-    let controller = Controller::place(controller, settings);
-    if let Some(fault) = fault_at_start(true, reset, missing) {
-        controller.latch_fault(fault);
-    }
-    let idle = Idle {
-        lines: Lines {
+    Hardware {
+        parts,
+        clock: (),
+        clock_runs: true,
+        reset,
+        brake,
+        tool,
+        receiver,
+        lines: BothLines {
             serial: (commands, sender),
             usb: usb_sender.map(|sender| (usb_commands, sender)),
             usb_leads: false,
         },
-        spare: Controller::place(spare, settings),
-        planner: places.planner,
-        session: session::place(places.session, identity, settings, missing.is_none()),
-        services,
-        log: EventLog::new(),
-        systick: core.SYST,
-    };
-    Image {
-        locked: Locked {
-            controller,
-            parts,
-            sample: ArmSample::default(),
-        },
-        meter: CycleMeter::new(&mut core.DCB, &mut core.DWT),
-        outputs: CommonOutputs { brake, tool },
-        receiver: (receiver, hearing(arrived)),
-        usb: (usb, hearing(usb_arrived)),
-        idle,
-    }
-}
-
-fn hearing(arrived: Producer<'static, HostMessage>) -> Hearing {
-    Hearing {
-        arrived,
-        decoder: Decoder::new(),
+        locals: (usb, usb_arrived),
+        storage: SettingsStorage::new(SettingsFlash::new(), SettingsFlash::RANGE).ok(),
+        watchdog: (device.WATCHDOG, device.PSM),
+        facts: (),
     }
 }

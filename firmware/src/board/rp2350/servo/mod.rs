@@ -3,15 +3,20 @@
 pub mod pulses;
 
 use super::clocks::CORE;
-use super::image::Parts;
+use super::end;
+use super::image::{OnChip, Rp2350, TICK_CYCLES, since_tick, start_ticks};
 use super::pins::{Pins, Stop};
+use crate::board::end_cause::EndCause;
+use crate::board::image::{Locked, Parts};
 use crate::drivers::{Inputs, Level};
-use crate::drives::{StepCommand, StepSample};
+use crate::drives::{BlindStepDrives, StepCommand, StepSample};
 use crate::protocol::Board;
 use crate::settings::{BoardLimits, CheckedSettings, ServoPulse};
 use crate::{ArmCommand, ArmSample};
+use cortex_m::peripheral::SYST;
 use pulses::Pulses;
 use rp235x_pac::{PIO0, RESETS};
+use rtic_core::Mutex;
 
 /// Clocks of a microsecond.
 const MICROSECOND: u32 = CORE / 1_000_000;
@@ -44,10 +49,8 @@ struct Axis {
     until_pulse: u32,
 }
 
-impl Parts for Servos {
-    const BOARD: Board = Board::Rp2350Servo;
+impl OnChip for Servos {
     const NAME: &'static str = "rp2350_servo";
-    const LIMITS: BoardLimits = BoardLimits::RP2350_SERVO;
 
     fn new(pio: PIO0, pins: &Pins<'_>, resets: &RESETS) -> Self {
         let switches = Inputs {
@@ -65,11 +68,33 @@ impl Parts for Servos {
             axes: Default::default(),
         }
     }
+}
+
+impl Parts for Servos {
+    type Chip = Rp2350;
+    type Drives = BlindStepDrives;
+    const BOARD: Board = Board::Rp2350Servo;
+    const LIMITS: BoardLimits = BoardLimits::RP2350_SERVO;
+    const TICK_CYCLES: u32 = TICK_CYCLES;
+
+    fn start((): (), systick: &mut SYST) {
+        start_ticks(systick, || {});
+    }
+
+    #[inline(always)]
+    fn begin(&mut self) -> u32 {
+        since_tick()
+    }
+
+    #[inline(always)]
+    fn end(cause: EndCause) -> ! {
+        end::end(cause)
+    }
 
     /// Takes the pulses from settings. The arm has no power, and a new controller counts from 0. Without pulses of servos in the
     /// settings, as on a board that has none yet, none is made.
-    fn use_settings(&mut self, settings: &CheckedSettings) {
-        self.axes = settings
+    fn use_settings(locked: &mut impl Mutex<T = Locked<Self>>, settings: &CheckedSettings) {
+        let axes = settings
             .servo_pulses()
             .map_or_else(Default::default, |pulses| {
                 pulses.map(|pulse| Axis {
@@ -78,6 +103,7 @@ impl Parts for Servos {
                     ..Axis::default()
                 })
             });
+        locked.lock(|locked| locked.parts.axes = axes);
     }
 
     /// The units made are the counts of the joints, too.

@@ -3,13 +3,17 @@
 pub mod machines;
 pub mod pins;
 
-use super::image::Parts;
+use super::end;
+use super::image::{OnChip, Rp2350, TICK_CYCLES, since_tick, start_ticks};
 use super::pins::Pins;
+use crate::board::end_cause::EndCause;
+use crate::board::image::Parts;
 use crate::drivers::steps::StepAxis;
-use crate::drives::{StepCommand, StepSample};
+use crate::drives::{BlindStepDrives, StepCommand, StepSample};
 use crate::protocol::Board;
 use crate::settings::BoardLimits;
 use crate::{ArmCommand, ArmSample};
+use cortex_m::peripheral::SYST;
 use machines::StepMachines;
 use pins::{OutputPins, Switches};
 use rp235x_pac::{PIO0, RESETS};
@@ -24,10 +28,8 @@ pub struct Stepper {
     taken: [bool; 2],
 }
 
-impl Parts for Stepper {
-    const BOARD: Board = Board::Rp2350Stepper;
+impl OnChip for Stepper {
     const NAME: &'static str = "rp2350_stepper";
-    const LIMITS: BoardLimits = BoardLimits::RP2350_STEPPER;
 
     fn new(pio: PIO0, pins: &Pins<'_>, resets: &RESETS) -> Self {
         let (pins, switches) = pins::set_up(pins);
@@ -39,9 +41,27 @@ impl Parts for Stepper {
             taken: [false; 2],
         }
     }
+}
 
-    fn start() {
-        StepMachines::start();
+impl Parts for Stepper {
+    type Chip = Rp2350;
+    type Drives = BlindStepDrives;
+    const BOARD: Board = Board::Rp2350Stepper;
+    const LIMITS: BoardLimits = BoardLimits::RP2350_STEPPER;
+    const TICK_CYCLES: u32 = TICK_CYCLES;
+
+    fn start((): (), systick: &mut SYST) {
+        start_ticks(systick, StepMachines::start);
+    }
+
+    #[inline(always)]
+    fn begin(&mut self) -> u32 {
+        since_tick()
+    }
+
+    #[inline(always)]
+    fn end(cause: EndCause) -> ! {
+        end::end(cause)
     }
 
     /// The micro-steps that are made at the end of the tick that has begun are the counts, too.

@@ -24,9 +24,23 @@ const SHARED: UsbVidPid = UsbVidPid(0x16c0, 0x27dd);
 const ROOM: usize = 2 * MAX_FRAME + 1;
 
 /// Bytes on their way to the interrupt.
-pub type Waiting = Queue<u8, ROOM>;
-/// Where the controller's driver is put.
-pub type Place = MaybeUninit<UsbBusAllocator<Bus>>;
+type Waiting = Queue<u8, ROOM>;
+
+/// Where the controller's driver, the device and what waits are put.
+pub struct Places {
+    bus: MaybeUninit<UsbBusAllocator<Bus>>,
+    device: MaybeUninit<Device>,
+    waiting: Waiting,
+}
+
+impl Places {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        bus: MaybeUninit::uninit(),
+        device: MaybeUninit::uninit(),
+        waiting: Waiting::new(),
+    };
+}
 
 /// The device, for the interrupt.
 pub struct Device {
@@ -45,12 +59,11 @@ pub struct Sender {
 
 /// Both halves. The host sees the device from the first interrupt on.
 pub fn new(
-    place: &'static mut Place,
-    waiting: &'static mut Waiting,
+    places: &'static mut Places,
     bus: Bus,
     name: &'static str,
-) -> (Device, Sender) {
-    let bus: &'static UsbBusAllocator<Bus> = place.write(UsbBusAllocator::new(bus));
+) -> (&'static mut Device, Sender) {
+    let bus: &'static UsbBusAllocator<Bus> = places.bus.write(UsbBusAllocator::new(bus));
     let class = CdcAcmClass::new(bus, PACKET as u16);
     let strings = StringDescriptors::default()
         .manufacturer("Fivebar")
@@ -63,14 +76,14 @@ pub fn new(
     let builder = builder
         .max_packet_size_0(PACKET as u8)
         .unwrap_or_else(|_| unreachable!());
-    let (sends, sent) = waiting.split();
-    let device = Device {
+    let (sends, sent) = places.waiting.split();
+    let device = places.device.write(Device {
         device: builder.build(),
         class,
         waiting: sent,
         packet: Vec::new(),
         was_full: false,
-    };
+    });
     (device, Sender { waiting: sends })
 }
 

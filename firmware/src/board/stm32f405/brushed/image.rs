@@ -17,7 +17,7 @@ const _: () = if let Err(reason) = BUILT.brushed {
     panic!("{}", reason);
 };
 
-fivebar_firmware::image! {
+fivebar_firmware::stm32f405_image! {
     parts: fivebar_firmware::board::stm32f405::brushed::Brushed,
     peripherals: (TIM1, TIM2, TIM5, TIM8, ADC1, ADC2, ADC_COMMON),
     // At the end of the converter's sequence.
@@ -45,7 +45,7 @@ fivebar_firmware::image! {
         use core::sync::atomic::Ordering;
         use cortex_m::peripheral::NVIC;
         use fivebar_firmware::board::stm32f405::brushed::{encoders, pwm::PwmTimer};
-        use fivebar_firmware::board::stm32f405::image::STOP;
+        use fivebar_firmware::board::image::STOP;
         use stm32f4xx_hal::pac::Interrupt;
 
         /// The break input has switched the outputs off; this tells the controller.

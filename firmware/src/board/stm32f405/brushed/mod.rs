@@ -11,15 +11,16 @@ pub mod pwm;
 pub mod sensors;
 
 use super::clocks::{self, Source};
-use super::image::Parts;
+use super::image::{CLOCK_FAILED, OnChip, Stm32f405};
 use super::post_mortem::reset_after;
-use super::services::OnBoard;
 use crate::board::end_cause::EndCause;
+use crate::board::image::Parts;
 use crate::drives::BrushedDrives;
 use crate::protocol::Board;
 use crate::settings::BoardLimits;
 use crate::{ActuatorCommand, SensorSample};
 use analog::CurrentsAndBus;
+use core::sync::atomic::Ordering;
 use cortex_m::peripheral::SYST;
 use encoders::Encoders;
 use outputs::BoardOutputs;
@@ -27,21 +28,14 @@ use sensors::Sensors;
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC2, TIM1, TIM2, TIM5, TIM8};
 use stm32f4xx_hal::rcc::Rcc;
 
-impl OnBoard for BrushedDrives {
-    const LIMITS: BoardLimits = BoardLimits::STM32F405;
-}
-
 /// The bridges and the sensors.
 pub struct Brushed {
     sensors: Sensors,
     outputs: BoardOutputs,
 }
 
-impl Parts for Brushed {
-    type Drives = BrushedDrives;
+impl OnChip for Brushed {
     type Peripherals = (TIM1, TIM2, TIM5, TIM8, ADC1, ADC2, ADC_COMMON);
-    const BOARD: Board = Board::Stm32f405;
-    const TICK_CYCLES: u32 = pwm::TICK_CYCLES;
 
     fn new(
         (pwm, encoder4, encoder1, latch, adc1, adc2, common): Self::Peripherals,
@@ -58,6 +52,18 @@ impl Parts for Brushed {
         Self { sensors, outputs }
     }
 
+    fn unpower_until_reset() {
+        pwm::unpower_until_reset();
+    }
+}
+
+impl Parts for Brushed {
+    type Chip = Stm32f405;
+    type Drives = BrushedDrives;
+    const BOARD: Board = Board::Stm32f405;
+    const LIMITS: BoardLimits = BoardLimits::STM32F405;
+    const TICK_CYCLES: u32 = pwm::TICK_CYCLES;
+
     fn start(source: Source, systick: &mut SYST) {
         match source {
             Source::Crystal => pwm::start(),
@@ -71,8 +77,10 @@ impl Parts for Brushed {
     }
 
     #[inline(always)]
-    fn clock_is_wrong(&mut self) -> bool {
-        self.outputs.timer.triggers_in_drive_pulse()
+    fn check_clock(&mut self) {
+        if self.outputs.timer.triggers_in_drive_pulse() {
+            CLOCK_FAILED.store(true, Ordering::Relaxed);
+        }
     }
 
     #[inline(always)]
@@ -88,10 +96,6 @@ impl Parts for Brushed {
     #[inline(always)]
     fn finish(&mut self) {
         self.outputs.timer.rearm_break();
-    }
-
-    fn unpower_until_reset() {
-        pwm::unpower_until_reset();
     }
 
     #[inline(always)]

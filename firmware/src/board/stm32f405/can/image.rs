@@ -16,7 +16,7 @@ const _: () = if let Err(reason) = BUILT.can {
     panic!("{}", reason);
 };
 
-fivebar_firmware::image! {
+fivebar_firmware::stm32f405_image! {
     parts: fivebar_firmware::board::stm32f405::can::Can,
     peripherals: (TIM5, CAN1),
     tick: TIM5,

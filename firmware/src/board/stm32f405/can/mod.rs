@@ -9,10 +9,9 @@ pub mod stop;
 pub mod timer;
 
 use super::clocks::Source;
-use super::image::Parts;
-use super::image::shared::Locked;
-use super::services::OnBoard;
+use super::image::{OnChip, Stm32f405};
 use crate::board::end_cause::EndCause;
+use crate::board::image::{Locked, Parts};
 use crate::drives::{TorqueDrives, TorqueSample, TorqueSetPoint};
 use crate::protocol::Board;
 use crate::settings::{BoardLimits, CheckedSettings};
@@ -25,10 +24,6 @@ use rtic_core::Mutex;
 use stm32f4xx_hal::pac::{CAN1, TIM5};
 use stm32f4xx_hal::rcc::Rcc;
 
-impl OnBoard for TorqueDrives {
-    const LIMITS: BoardLimits = BoardLimits::STM32F405_CAN;
-}
-
 /// The bus and the switches.
 pub struct Can {
     switches: Switches,
@@ -36,11 +31,8 @@ pub struct Can {
     pub bus: &'static mut Bus,
 }
 
-impl Parts for Can {
-    type Drives = TorqueDrives;
+impl OnChip for Can {
     type Peripherals = (TIM5, CAN1);
-    const BOARD: Board = Board::Stm32f405Can;
-    const TICK_CYCLES: u32 = timer::TICK_CYCLES;
 
     fn new((ticks, can): Self::Peripherals, source: Source, rcc: &mut Rcc) -> Self {
         let switches = pins::set_up();
@@ -51,6 +43,19 @@ impl Parts for Can {
             bus: Bus::place(can),
         }
     }
+
+    /// Without the bus the drives' own watchdogs take their power.
+    fn unpower_until_reset() {
+        bxcan::leave();
+    }
+}
+
+impl Parts for Can {
+    type Chip = Stm32f405;
+    type Drives = TorqueDrives;
+    const BOARD: Board = Board::Stm32f405Can;
+    const LIMITS: BoardLimits = BoardLimits::STM32F405_CAN;
+    const TICK_CYCLES: u32 = timer::TICK_CYCLES;
 
     fn use_settings(locked: &mut impl Mutex<T = Locked<Self>>, settings: &CheckedSettings) {
         bus::use_settings(settings, |link, setup| {
@@ -77,11 +82,6 @@ impl Parts for Can {
     #[inline(always)]
     fn apply(&mut self, command: &ArmCommand<TorqueSetPoint>) {
         self.bus.send(command);
-    }
-
-    /// Without the bus the drives' own watchdogs take their power.
-    fn unpower_until_reset() {
-        bxcan::leave();
     }
 
     #[inline(always)]

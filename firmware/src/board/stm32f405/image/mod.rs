@@ -1,96 +1,114 @@
-//! The one body of the production images for the STM32F405RG.
+//! What the production images for the STM32F405RG give [the one body](crate::board::image).
 //!
-//! | task | priority | deadline |
-//! |---|---|---|
-//! | those of the drives alone: the break inputs | 4 | none: the outputs are off before they run |
-//! | `tick`: sensor sample in, actuator command out | 3 | the next tick; misses are counted |
-//! | `receive`: from bytes to commands, where the line is idle and when `converse` asks | 2 | the ring buffer's 5 ms |
-//! | `converse`: session, planner, telemetry, log, watchdog | idle | the watchdog's 50 ms |
-//!
-//! A kind of drive is a folder beside this one. It implements [`Parts`], and its `image.rs` names what
-//! [`image!`](crate::image) cannot know: the peripherals, the tick's interrupt, tasks of its own.
+//! A kind of drive is a folder beside this one. It implements [`OnChip`], and its `image.rs` names what
+//! [`stm32f405_image!`](crate::stm32f405_image) cannot know: the peripherals, the tick's interrupt, tasks of its own. The serial
+//! line's ring buffer holds 5 ms.
 //!
 //! Without a crystal the ticks come more slowly, and the controller reports its clock fault, which cannot be cleared.
 
 mod app;
-pub mod shared;
-pub mod start;
-pub mod tasks;
+mod start;
+mod test;
 
-use self::shared::Locked;
+pub use start::{CommonPeripherals, set_up, started};
+
 use super::clocks::{self, Source};
-use super::services::OnBoard;
-use super::{serial, tool};
-use crate::board::end_cause::EndCause;
-use crate::drives::Drives;
-use crate::protocol::Board;
-use crate::settings::CheckedSettings;
-use crate::{ArmCommand, ArmSample};
+use super::pins::Brake;
+use super::self_test::Started;
+use super::serial::{self, Buffers, Receiver, Sender};
+use super::storage::SettingsFlash;
+use super::tool::{self, ToolTimer};
+use super::watchdog::Watchdog;
+use crate::board::image::tasks::Commands;
+use crate::board::image::{BoardServices, Chip, Lines, Parts};
+use crate::protocol::{BoardReport, BoardTest, CommandError, Frame, HostMessage};
+use crate::recorder::{LogControl, LogWords, Recorder};
 use core::sync::atomic::{AtomicBool, Ordering};
-use cortex_m::peripheral::SYST;
-use rtic_core::Mutex;
+use cortex_m::peripheral::NVIC;
+use stm32f4xx_hal::pac::Interrupt;
 use stm32f4xx_hal::rcc::Rcc;
 
-/// A break input tripped, or the host sent an emergency stop. The next tick reads this.
-pub static STOP: AtomicBool = AtomicBool::new(false);
 /// The crystal did not start, or failed later.
 pub static CLOCK_FAILED: AtomicBool = AtomicBool::new(false);
 
-/// A tick's sample with these parts.
-pub type Sample<P> = ArmSample<<<P as Parts>::Drives as Drives>::Sample>;
-/// A tick's command with these parts.
-pub type Command<P> = ArmCommand<<<P as Parts>::Drives as Drives>::Command>;
+static LOG: LogControl = LogControl::new();
+/// In the core-coupled memory, which nothing clears at the start.
+#[allow(unsafe_code)]
+// SAFETY: the linker script reserves the section for such data, and no word is read before it was written.
+#[unsafe(link_section = ".ccm.log")]
+static LOG_WORDS: LogWords = LogWords::new();
 
-/// What an image has for its kind of drive alone: pins, outputs, the timer of the tick, and what a tick reads and writes.
-pub trait Parts: Sized + Send + 'static {
-    /// The drives.
-    type Drives: OnBoard + 'static;
+/// What an image has for its kind of drive and this chip alone.
+pub trait OnChip: Parts<Chip = Stm32f405> {
     /// What it takes of the chip.
     type Peripherals;
-    /// What the image is called.
-    const BOARD: Board;
-    /// Cycles of the core from one tick to the next.
-    const TICK_CYCLES: u32;
 
     /// Sets its pins and peripherals up, the drives without power first. `source` is what the core runs from.
     fn new(own: Self::Peripherals, source: Source, rcc: &mut Rcc) -> Self;
 
-    /// Takes from settings what the drives need to know: at the start, and when new ones are put to use.
-    fn use_settings(_locked: &mut impl Mutex<T = Locked<Self>>, _settings: &CheckedSettings) {}
-
-    /// Lets the ticks begin. Called once, when interrupts are enabled: the first one then begins in time.
-    fn start(source: Source, systick: &mut SYST);
-
-    /// Takes the tick's interrupt. The cycles since it was due.
-    fn begin(&mut self) -> u32;
-
-    /// Whether the ticks come at a wrong time, which is a failure of the clock.
-    #[inline(always)]
-    fn clock_is_wrong(&mut self) -> bool {
-        false
-    }
-
-    /// One sensor sample. `missed` is the number of ticks missed since the last one; `stopped` is an emergency stop that
-    /// the button no longer shows.
-    fn sample(&mut self, missed: u32, stopped: bool) -> Sample<Self>;
-
-    /// Applies an actuator command, but for the brake and the tool.
-    fn apply(&mut self, command: &Command<Self>);
-
-    /// Ends the tick.
-    #[inline(always)]
-    fn finish(&mut self) {}
-
     /// Takes the drives' power until the next reset, from any context, for a handler that returns.
     fn unpower_until_reset();
+}
 
-    /// Takes the drives' power from any context and in any state, and resets the chip.
-    fn end(cause: EndCause) -> !;
+/// The chip.
+pub struct Stm32f405;
+
+/// The serial line, for the idle task.
+pub struct Line {
+    commands: Commands,
+    sender: Sender,
+}
+
+impl Chip for Stm32f405 {
+    type Clock = Source;
+    type Brake = Brake;
+    type Tool = ToolTimer;
+    type Receiver = Receiver;
+    type Lines = Line;
+    type LinePlaces = Buffers;
+    type Locals = ();
+    type Flash = SettingsFlash;
+    type Watchdog = Watchdog;
+    type Facts = Started;
+
+    const NO_LINES: Buffers = Buffers::new();
+
+    #[inline(always)]
+    fn recorder() -> Recorder<'static> {
+        Recorder::new(&LOG, &LOG_WORDS)
+    }
+
+    #[inline(always)]
+    fn clock_has_failed() -> bool {
+        CLOCK_FAILED.load(Ordering::Relaxed)
+    }
+
+    fn test<P: Parts<Chip = Self>>(
+        services: &mut BoardServices<P>,
+        test: BoardTest,
+        tick: u32,
+    ) -> Result<Option<BoardReport>, CommandError> {
+        test::measure(services, test, tick)
+    }
+}
+
+impl Lines for Line {
+    #[inline(always)]
+    fn next(&mut self) -> Option<HostMessage> {
+        // The line's interrupt comes when the line is idle. This one looks also while bytes come without a pause.
+        NVIC::pend(Interrupt::USART1);
+        self.commands.dequeue()
+    }
+
+    #[inline(always)]
+    fn send(&mut self, frame: &Frame) {
+        self.sender.send(frame);
+    }
 }
 
 /// The crystal has failed, and the core runs from the internal oscillator. Whatever this interrupts: the power goes first,
 /// and no code that goes on gives it back.
-pub fn crystal_failed<P: Parts>() {
+pub fn crystal_failed<P: OnChip>() {
     P::unpower_until_reset();
     CLOCK_FAILED.store(true, Ordering::Relaxed);
     clocks::acknowledge_failure();

@@ -1,25 +1,16 @@
-//! The start of an image: from the reset to the first tick.
+//! What each image sets up of the chip: from the reset to the one body's start.
 
-use super::shared::Locked;
-use super::tasks::Idle;
-use super::{CLOCK_FAILED, Parts, crystal_failed};
-use crate::board::cycles::CycleMeter;
-use crate::board::exchanged::Place;
-use crate::board::log::EventLog;
+use super::{CLOCK_FAILED, Line, OnChip, crystal_failed};
+use crate::board::image::Hardware;
+use crate::board::image::tasks::Commands;
 use crate::board::stm32f405::clocks::{self, Source};
-use crate::board::stm32f405::outputs::CommonOutputs;
 use crate::board::stm32f405::self_test::Started;
-use crate::board::stm32f405::services::{self, BoardServices, OnBoard};
-use crate::board::stm32f405::{brown_out, halt, pins, post_mortem, serial, tool};
-use crate::board::stored;
-use crate::planner::Planner;
-use crate::protocol::{HostMessage, Identity};
-use crate::session::{self, Board, Session, WAITING, fault_at_start};
-use crate::{ArmController, ArmSample};
-use core::mem::MaybeUninit;
+use crate::board::stm32f405::serial::Buffers;
+use crate::board::stm32f405::storage::SettingsFlash;
+use crate::board::stm32f405::tool::ToolTimer;
+use crate::board::stm32f405::{brown_out, halt, pins, post_mortem, serial};
+use crate::storage::SettingsStorage;
 use core::sync::atomic::Ordering;
-use heapless::spsc::{Producer, Queue};
-use rtic_core::Exclusive;
 use stm32f4xx_hal::pac;
 
 /// What each image takes of the chip.
@@ -35,40 +26,14 @@ pub struct CommonPeripherals {
     pub dma: pac::DMA2,
 }
 
-/// Where what lasts as long as the program is put.
-#[allow(missing_docs, reason = "each is named after what is put there")]
-pub struct Places<P: Parts> {
-    pub buffers: &'static mut serial::Buffers,
-    pub queue: &'static mut Queue<HostMessage, WAITING>,
-    pub controllers: &'static mut [Place<P::Drives>; 2],
-    pub planner: &'static mut Planner,
-    pub session: &'static mut MaybeUninit<Session>,
-}
-
-/// What the tasks have.
-pub struct Image<P: Parts> {
-    /// Shared by the tick, the tasks of the drives alone, and the session.
-    pub locked: Locked<P>,
-    /// The tick's.
-    pub meter: CycleMeter,
-    /// The tick's.
-    pub outputs: CommonOutputs,
-    /// The serial line's: its bytes.
-    pub receiver: serial::Receiver,
-    /// The serial line's: what the bytes say, for the session.
-    pub arrived: Producer<'static, HostMessage>,
-    /// The idle task's.
-    pub idle: Idle<P>,
-}
-
-/// Starts the image. Interrupts are masked.
+/// Sets the chip up. Interrupts are masked.
 #[inline(always)]
-pub fn start<P: Parts>(
+pub fn set_up<P: OnChip>(
     common: CommonPeripherals,
     own: P::Peripherals,
-    mut core: cortex_m::Peripherals,
-    places: Places<P>,
-) -> Image<P> {
+    buffers: &'static mut Buffers,
+    commands: Commands,
+) -> Hardware<P> {
     let (reset, hung) = post_mortem::reset_reason(&common.rcc);
     halt::prepare(&common.debug);
     let brown_out = brown_out::enable_reset(&common.flash);
@@ -83,68 +48,43 @@ pub fn start<P: Parts>(
     }
     let parts = P::new(own, source, &mut rcc);
     let brake = pins::set_up();
-    let (tool_timer, tool) = tool::new(common.tool_timer, source.tool_timer(), &mut rcc);
+    let tool = ToolTimer::new(common.tool_timer, source.tool_timer(), &mut rcc);
     let (receiver, sender) = serial::new(
         &common.usart,
         &common.dma,
-        places.buffers,
+        buffers,
         source.second_bus(),
         &mut rcc,
     );
-    let (arrived, commands) = places.queue.split();
-
-    let mut storage = services::open(common.flash);
-    let mut settings = stored::benchtop();
-    let missing = stored::load(&mut storage, &P::Drives::LIMITS, &mut settings).err();
-    let settings = &settings;
-    let started = Started {
-        clocks,
-        brown_out,
-        hung,
-    };
-    let mut services = BoardServices::start(storage, common.watchdog, tool_timer, started);
-    if missing.is_none() {
-        Board::<P::Drives>::use_settings(&mut services, settings);
+    let flash = SettingsFlash::new(common.flash);
+    Hardware {
+        parts,
+        clock: source,
+        clock_runs: crystal_runs,
+        reset,
+        brake,
+        tool,
+        receiver,
+        lines: Line { commands, sender },
+        locals: (),
+        storage: SettingsStorage::new(flash, SettingsFlash::RANGE).ok(),
+        watchdog: common.watchdog,
+        facts: Started {
+            clocks,
+            brown_out,
+            hung,
+        },
     }
+}
+
+/// What the end of the start does about the crystal.
+pub fn started<P: OnChip>(source: Source) {
+    let crystal_runs = source == Source::Crystal;
     if !crystal_runs {
         CLOCK_FAILED.store(true, Ordering::Relaxed);
     }
-    defmt::info!("started after a reset: {}", reset);
-
-    let identity = Identity::new(P::BOARD, reset);
-    places.planner.reset(settings);
-    let [controller, spare] = places.controllers;
-    let controller = ArmController::place(controller, settings);
-    if let Some(fault) = fault_at_start(crystal_runs, reset, missing) {
-        controller.latch_fault(fault);
-    }
-    let mut locked = Locked {
-        controller,
-        parts,
-        sample: ArmSample::default(),
-    };
-    P::use_settings(&mut Exclusive(&mut locked), settings);
-    let idle = Idle {
-        commands,
-        sender,
-        spare: ArmController::place(spare, settings),
-        planner: places.planner,
-        session: session::place(places.session, identity, settings, missing.is_none()),
-        services,
-        log: EventLog::new(),
-        source,
-        systick: core.SYST,
-    };
     if crystal_runs && CLOCK_FAILED.load(Ordering::Relaxed) {
         // It failed meanwhile, and what came behind it set up pins and dividers as if it had not.
         crystal_failed::<P>();
-    }
-    Image {
-        locked,
-        meter: CycleMeter::new(&mut core.DCB, &mut core.DWT),
-        outputs: CommonOutputs { brake, tool },
-        receiver,
-        arrived,
-        idle,
     }
 }

@@ -17,7 +17,7 @@ const _: () = if let Err(reason) = BUILT.stepper {
     panic!("{}", reason);
 };
 
-fivebar_firmware::image! {
+fivebar_firmware::stm32f405_image! {
     parts: fivebar_firmware::board::stm32f405::stepper::Stepper,
     peripherals: (TIM1, TIM8, TIM4),
     // At the update that starts the pulses.
@@ -48,7 +48,7 @@ fivebar_firmware::image! {
     ],
     tasks: {
         use core::sync::atomic::Ordering;
-        use fivebar_firmware::board::stm32f405::image::STOP;
+        use fivebar_firmware::board::image::STOP;
         use fivebar_firmware::board::stm32f405::stepper::timers;
 
         /// A break input has stopped the pulses of motor 1; this tells the controller.

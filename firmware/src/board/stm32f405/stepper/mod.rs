@@ -8,10 +8,10 @@ pub mod pins;
 pub mod timers;
 
 use super::clocks::Source;
-use super::image::Parts;
+use super::image::{OnChip, Stm32f405};
 use super::post_mortem::reset_after;
-use super::services::OnBoard;
 use crate::board::end_cause::EndCause;
+use crate::board::image::Parts;
 use crate::drives::{BlindStepDrives, StepCommand, StepSample};
 use crate::protocol::Board;
 use crate::settings::BoardLimits;
@@ -22,21 +22,14 @@ use pins::Switches;
 use stm32f4xx_hal::pac::{TIM1, TIM4, TIM8};
 use stm32f4xx_hal::rcc::Rcc;
 
-impl OnBoard for BlindStepDrives {
-    const LIMITS: BoardLimits = BoardLimits::STM32F405_STEPPER;
-}
-
 /// The drivers and the switches.
 pub struct Stepper {
     switches: Switches,
     outputs: Outputs,
 }
 
-impl Parts for Stepper {
-    type Drives = BlindStepDrives;
+impl OnChip for Stepper {
     type Peripherals = (TIM1, TIM8, TIM4);
-    const BOARD: Board = Board::Stm32f405Stepper;
-    const TICK_CYCLES: u32 = timers::TICK_CYCLES;
 
     fn new(timers: Self::Peripherals, _: Source, rcc: &mut Rcc) -> Self {
         let (outputs, switches) = pins::set_up();
@@ -45,6 +38,18 @@ impl Parts for Stepper {
             outputs: Outputs::new(timers, outputs, rcc),
         }
     }
+
+    fn unpower_until_reset() {
+        timers::unpower_until_reset();
+    }
+}
+
+impl Parts for Stepper {
+    type Chip = Stm32f405;
+    type Drives = BlindStepDrives;
+    const BOARD: Board = Board::Stm32f405Stepper;
+    const LIMITS: BoardLimits = BoardLimits::STM32F405_STEPPER;
+    const TICK_CYCLES: u32 = timers::TICK_CYCLES;
 
     fn start(_: Source, _: &mut SYST) {
         timers::start();
@@ -76,10 +81,6 @@ impl Parts for Stepper {
     #[inline(always)]
     fn finish(&mut self) {
         self.outputs.timers.rearm_break();
-    }
-
-    fn unpower_until_reset() {
-        timers::unpower_until_reset();
     }
 
     #[inline(always)]

@@ -1,51 +1,32 @@
-//! What the session needs from this board: settings stored in flash, the tool's output, the stack's use and the log.
+//! What the session needs from a board: settings stored in flash, the tool's output, the stack's use and the log.
 
-use super::flash::SettingsFlash;
-use super::tool::ToolTimer;
-use super::watchdog::Watchdog;
+use super::{Chip, Parts, Tool, Watchdog};
 use crate::board::cycles::TickTimes;
 use crate::board::stack;
-use crate::drives::BlindStepDrives;
-use crate::protocol::StackUse;
-use crate::recorder::{Log, Recorder};
+use crate::protocol::{BoardReport, BoardTest, CommandError, StackUse};
+use crate::recorder::Recorder;
 use crate::session::Board;
 use crate::settings::{BoardLimits, CheckedSettings};
 use crate::storage::{SettingsStorage, StorageError};
 use crate::{ActuatorCommand, ArmController, SensorSample, Settings, ToldSample};
 
-static LOG: Log = Log::new();
-
-/// The log at the tick rate.
-#[inline(always)]
-pub fn recorder() -> Recorder<'static> {
-    LOG.recorder()
-}
-
-/// The settings' storage.
-pub type Storage = SettingsStorage<SettingsFlash>;
-
-/// Opens the storage.
-pub fn open() -> Option<Storage> {
-    SettingsStorage::new(SettingsFlash::new(), SettingsFlash::RANGE).ok()
-}
-
-/// The services. Of the test of a bare board there are none: its bounds are those of the STM32F405.
-pub struct BoardServices {
+/// The settings' storage, and the watchdog, whose timeout is longer while settings are written.
+pub struct BoardServices<P: Parts> {
     /// None if the flash has no place for it.
-    pub storage: Option<Storage>,
-    /// What the image can do.
-    pub limits: BoardLimits,
+    pub storage: Option<SettingsStorage<<P::Chip as Chip>::Flash>>,
     /// The tool's output.
-    pub tool: ToolTimer,
+    pub tool: <P::Chip as Chip>::Tool,
     /// Refreshed when all tasks have advanced.
-    pub watchdog: Watchdog,
+    pub watchdog: <P::Chip as Chip>::Watchdog,
     /// The sample of the last tick.
     pub sample: ToldSample,
     /// How long the ticks take.
     pub times: TickTimes,
+    /// For the test of a bare board.
+    pub facts: <P::Chip as Chip>::Facts,
 }
 
-impl Board<BlindStepDrives> for BoardServices {
+impl<P: Parts> Board<P::Drives> for BoardServices<P> {
     fn save(&mut self, settings: &Settings) -> Result<(), StorageError> {
         let storage = self.storage.as_mut().ok_or(StorageError::Range)?;
         self.watchdog.with_erase_timeout(|| storage.save(settings))
@@ -56,12 +37,12 @@ impl Board<BlindStepDrives> for BoardServices {
     }
 
     fn limits(&self) -> Option<BoardLimits> {
-        Some(self.limits)
+        Some(P::LIMITS)
     }
 
     fn tick(
         &mut self,
-        _: &mut ArmController<BlindStepDrives>,
+        _: &mut ArmController<P::Drives>,
         _: &SensorSample,
     ) -> Option<(ActuatorCommand, u32)> {
         None
@@ -72,10 +53,14 @@ impl Board<BlindStepDrives> for BoardServices {
     }
 
     fn recorder(&self) -> Option<Recorder<'_>> {
-        Some(recorder())
+        Some(P::Chip::recorder())
     }
 
     fn sample(&self) -> Option<ToldSample> {
         Some(self.sample)
+    }
+
+    fn test(&mut self, test: BoardTest, tick: u32) -> Result<Option<BoardReport>, CommandError> {
+        P::Chip::test(self, test, tick)
     }
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the flash of an RP2350's image as UF2, which a Pico 2 takes by drag and drop (the file format of Microsoft, UF2).
 
-  scripts/uf2.py IMAGE.elf IMAGE.uf2
+  firmware/src/board/rp2350/uf2.py IMAGE.elf IMAGE.uf2
 """
 
 import os
