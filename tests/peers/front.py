@@ -3,9 +3,8 @@
     python tests/peers/front.py [--front 5 20] [--seeds 1 2] [--write docs/verify/front.md]
 
 Both seek arms with a larger area and more dexterity, 1/κ ≥ 0.5. The measure is the hypervolume: the part of the rectangle
-from size 0 and 1/κ = 0, the reference point, to the largest area found and 1/κ = 1 that a front dominates. NSGA-II keeps
-100 arms; the best choice of as many as `fivebar design` gives is measured, by dynamic programming: ours are spaced
-beforehand. Means over the seeds, and the least lead of ours.
+from size 0 and 1/κ = 0, the reference point, to the largest area found and 1/κ = 1 that a front dominates. Of
+NSGA-II's 100 arms the best choice of as many as ours is measured. Means over the seeds, and the least lead.
 """
 
 import argparse
