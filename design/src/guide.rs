@@ -37,6 +37,33 @@
 //!
 //! # A calibrator
 //!
-//! [`calibration`](crate::calibration) finds the lengths of the arm that was built; its example touches fifteen holes.
-//! [`propose`](crate::calibration::propose) says which poses tell the most. What a photograph of a drawing shows is in [`photo`](crate::photo), masses and
-//! friction are in [`identification`](crate::identification).
+//! Which holes of a plate tell the most of an arm, and which lengths has the one that was built?
+//!
+//! ```
+//! use fivebar_design::calibration::{Criterion, Plate, Touch, calibrate, propose};
+//! use fivebar_kinematics::five_bar::{Geometry, PoseError, Side, Tool, WorkingMode, Workspace};
+//! use nalgebra::Vector2;
+//!
+//! let drawn = Geometry::new([0.10, 0.16, 0.16, 0.10, 0.08])?;
+//! let mode = WorkingMode::new(Side::Right, Side::Left);
+//! let tool = Tool::new(drawn, Vector2::zeros())?;
+//! let workspace = Workspace { tool, mode, limits: None, margin: 0.3 };
+//! let home = drawn.inverse(Vector2::new(0.04, 0.18), mode)?;
+//! let holes = propose(&workspace, &home, 12).ok_or("too few poses")?.points;
+//!
+//! // The encoders' angles with the tip in each hole; here those of an arm that was made a little wrong.
+//! let made = Geometry::new([0.1001, 0.1598, 0.1603, 0.0999, 0.0802])?;
+//! let touch = |&hole: &Vector2<f64>| {
+//!     let [theta1, _, _, theta4] = made.inverse(hole, mode)?.angles();
+//!     Ok(Touch { encoder: [theta1, theta4], hole })
+//! };
+//! let touches = holes.iter().map(touch).collect::<Result<_, PoseError>>()?;
+//!
+//! let plate = Plate { touches, assembly: home.assembly(), sigma: 20e-6, criterion: Criterion::LeastSquares };
+//! let found = calibrate(&plate, drawn.lengths())?.parameters;
+//! assert!((found.lengths[2] - 0.1603).abs() < 1e-9, "{:?}", found.lengths);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! [`calibration`](crate::calibration) also takes distances, unknown holes and photographs. What a photograph of a drawing
+//! shows is in [`photo`](crate::photo), masses and friction are in [`identification`](crate::identification).

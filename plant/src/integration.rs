@@ -48,26 +48,20 @@ impl Rest {
         deflection: Vector2::new(0.0, 0.0),
     };
 
+    /// Goes on by `time` [s] at these rates.
     #[inline(always)]
-    fn after(&self, rates: &Self, time: f64) -> Self {
-        let drive = |j: Joint| {
-            let (state, rate) = (&self.drives[j], &rates.drives[j]);
-            DriveState {
-                angle: state.angle + rate.angle * time,
-                speed: state.speed + rate.speed * time,
-                bristles: state.bristles + rate.bristles * time,
-            }
-        };
-        Self {
-            current: Joint::ALL.map(|j| self.current[j] + rates.current[j] * time),
-            drives: Joint::ALL.map(drive),
-            energy: Energy {
-                supplied: self.energy.supplied + rates.energy.supplied * time,
-                lost: self.energy.lost + rates.energy.lost * time,
-            },
-            motor_work: self.motor_work + rates.motor_work * time,
-            deflection: self.deflection + rates.deflection * time,
+    fn advance(&mut self, rates: &Self, time: f64) {
+        for j in Joint::ALL {
+            let (state, rate) = (&mut self.drives[j], &rates.drives[j]);
+            state.angle += rate.angle * time;
+            state.speed += rate.speed * time;
+            state.bristles += rate.bristles * time;
+            self.current[j] += rates.current[j] * time;
         }
+        self.energy.supplied += rates.energy.supplied * time;
+        self.energy.lost += rates.energy.lost * time;
+        self.motor_work += rates.motor_work * time;
+        self.deflection += rates.deflection * time;
     }
 }
 
@@ -80,17 +74,16 @@ struct Whole<const N: usize> {
 }
 
 impl<const N: usize> Whole<N> {
+    /// Goes on by these times [s] at these rates.
     #[inline(always)]
-    fn after(&self, rates: &Self, times: Lanes<N>) -> Self {
-        let mut next = *self;
+    fn advance(&mut self, rates: &Self, times: Lanes<N>) {
         for link in 0..4 {
-            next.q[link] = self.q[link] + rates.q[link] * times;
-            next.v[link] = self.v[link] + rates.v[link] * times;
+            self.q[link] = self.q[link] + rates.q[link] * times;
+            self.v[link] = self.v[link] + rates.v[link] * times;
         }
         for i in 0..N {
-            next.rest[i] = self.rest[i].after(&rates.rest[i], times.0[i]);
+            self.rest[i].advance(&rates.rest[i], times.0[i]);
         }
-        next
     }
 
     /// One of the arms.
@@ -118,8 +111,8 @@ struct Models<const N: usize> {
 
 /// Advances several arms whose chains have the same constraints, each by its own time.
 #[inline(always)]
-pub(crate) fn step_beside<const N: usize>(mut arms: [Step<'_>; N]) {
-    for arm in &mut arms {
+pub(crate) fn step_beside<const N: usize>(arms: &mut [Step<'_>; N]) {
+    for arm in &mut *arms {
         arm.begin();
     }
     let steps: [f64; N] = from_fn(|i| arms[i].internal_steps());
@@ -134,12 +127,12 @@ pub(crate) fn step_beside<const N: usize>(mut arms: [Step<'_>; N]) {
         v: from_fn(|link| planar_vector(|i| arms[i].state.v[link])),
         rest: [Rest::ZERO; N],
     };
-    for (rest, arm) in whole.rest.iter_mut().zip(&arms) {
+    for (rest, arm) in whole.rest.iter_mut().zip(&*arms) {
         *rest = arm.drives.rest(arm.state);
     }
     let most = steps.into_iter().fold(0.0, f64::max) as usize;
     for done in 0..most {
-        let next = runge_kutta(&arms, &models, &whole, times);
+        let next = runge_kutta(arms, &models, &whole, times);
         let on = |mask: Mask, i: usize| mask | Mask::from(done < steps[i] as usize) << i;
         let on = (0..N).fold(0, on);
         for link in 0..4 {
@@ -248,25 +241,28 @@ fn runge_kutta<const N: usize>(
         times / Lanes::each(3.0),
         times / Lanes::each(6.0),
     ];
-    let k1 = rates(arms, models, whole);
-    let k2 = rates(arms, models, &whole.after(&k1, half));
-    let k3 = rates(arms, models, &whole.after(&k2, half));
-    let k4 = rates(arms, models, &whole.after(&k3, times));
-    let mut next = whole.after(&k1, sixth);
-    next = next.after(&k2, third);
-    next = next.after(&k3, third);
-    next = next.after(&k4, sixth);
+    let (mut next, mut at) = (*whole, *whole);
+    let mut k = *whole;
+    rates(arms, models, &at, &mut k);
+    for (ahead, share) in [(half, sixth), (half, third), (times, third)] {
+        next.advance(&k, share);
+        at = *whole;
+        at.advance(&k, ahead);
+        rates(arms, models, &at, &mut k);
+    }
+    next.advance(&k, sixth);
     models.chain.close_joints(&mut next.q, &mut next.v);
     next
 }
 
+/// The rates at a state, written into `rates`.
 #[inline(always)]
-fn rates<const N: usize>(arms: &[Step<'_>; N], models: &Models<N>, whole: &Whole<N>) -> Whole<N> {
-    let mut rates = Whole {
-        q: whole.v,
-        v: whole.v,
-        rest: [Rest::ZERO; N],
-    };
+fn rates<const N: usize>(
+    arms: &[Step<'_>; N],
+    models: &Models<N>,
+    whole: &Whole<N>,
+    rates: &mut Whole<N>,
+) {
     let mut torque = [Lanes::each(0.0); 2];
     let mut force = Vector2::new(Lanes::each(0.0), Lanes::each(0.0));
     let mut pushed = 0;
@@ -286,8 +282,8 @@ fn rates<const N: usize>(arms: &[Step<'_>; N], models: &Models<N>, whole: &Whole
         on: pushed,
     });
     let free = free_accelerations(chain, models.gravity, torque, push.as_ref());
+    rates.q = whole.v;
     (rates.v, _) = chain.accelerations(&chain.arms(&whole.q), &whole.v, &free);
-    rates
 }
 
 /// The vectors of several arms.

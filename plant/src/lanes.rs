@@ -95,8 +95,12 @@ impl<const N: usize> Real for Lanes<N> {
             let both = self.0.map(libm::sincos);
             return (Self(both.map(|both| both.0)), Self(both.map(|both| both.1)));
         }
-        let both: [_; N] = from_fn(|lane| common_sin_cos(self.0[lane]));
-        (Self(both.map(|both| both.0)), Self(both.map(|both| both.1)))
+        // A loop: the functions of `core` that map arrays are not compiled with more instructions than the least.
+        let (mut sin, mut cos) = (self, self);
+        for lane in 0..N {
+            (sin.0[lane], cos.0[lane]) = common_sin_cos(self.0[lane]);
+        }
+        (sin, cos)
     }
 
     #[inline(always)]

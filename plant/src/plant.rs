@@ -310,7 +310,7 @@ impl Plant {
         if let Some(wear) = &mut self.wear {
             wear.step(&self.model, &mut self.state, &loads, period);
         } else if let Some(step) = self.drives_step(loads, duty, period) {
-            step_beside([step]);
+            step_beside(&mut [step]);
         } else {
             let steps = (period / self.model.longest_step()).ceil().max(1.0);
             for _ in 0..steps as usize {

@@ -229,7 +229,7 @@ fn unlike_arms() -> Vec<TorquePlant> {
             _ => arm,
         }
     };
-    (0..23).map(arm).collect()
+    (0..29).map(arm).collect()
 }
 
 #[test]
@@ -266,18 +266,21 @@ fn arms_side_by_side_have_the_bits_of_each_by_itself() {
 
 #[test]
 fn of_arms_side_by_side_those_that_cannot_go_on_stay_and_the_others_move() {
-    let (mut many, mut singles) = (unlike_arms(), unlike_arms());
-    let mut torques = vec![[0.01, 0.0]; many.len()];
-    for stopped in [6, 21] {
-        torques[stopped][0] = 1e9;
-    }
-    let forces = vec![[0.0; 2]; many.len()];
-    assert_eq!(
-        TorquePlant::step_many(&mut many, &torques, &forces, 3e-3),
-        Some(6)
-    );
-    for (i, arm) in singles.iter_mut().enumerate() {
-        assert_eq!(arm.step(torques[i], 3e-3).is_err(), [6, 21].contains(&i));
-        assert_eq!(arm.state(), many[i].state(), "arm {i}");
+    // Among those that go eight at once, four at once, and by themselves.
+    for stopping in [&[6, 21, 26][..], &[26], &[28]] {
+        let (mut many, mut singles) = (unlike_arms(), unlike_arms());
+        let mut torques = vec![[0.01, 0.0]; many.len()];
+        for &stopped in stopping {
+            torques[stopped][0] = 1e9;
+        }
+        let forces = vec![[0.0; 2]; many.len()];
+        assert_eq!(
+            TorquePlant::step_many(&mut many, &torques, &forces, 3e-3),
+            Some(stopping[0])
+        );
+        for (i, arm) in singles.iter_mut().enumerate() {
+            assert_eq!(arm.step(torques[i], 3e-3).is_err(), stopping.contains(&i));
+            assert_eq!(arm.state(), many[i].state(), "arm {i}");
+        }
     }
 }

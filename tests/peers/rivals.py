@@ -50,47 +50,87 @@ def once(call, count):
     return time.process_time() - begin
 
 
-def accelerations():
-    """α1, α4 under torques, without friction. Pinocchio joins both halves of the loop by a constraint."""
-    smooth = "\n".join(line for line in ARM.toml.splitlines() if "friction" not in line)
-    arm = fivebar.Arm.from_toml(smooth)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "arm.urdf"
-        path.write_text(arm.export("urdf"), encoding="utf-8")
-        model = pinocchio.buildModelFromUrdf(str(path))
-    # The built-in arm lies flat.
-    model.gravity.linear = np.zeros(3)
-    theta, omega, torque = np.array([2.2, 0.9]), np.array([1.0, 2.0]), np.array([0.02, -0.01])
-    motion = arm.motion(theta, omega)
-    pose = arm.forward(theta)
-    (omega2, omega3), (theta2, theta3) = (motion.omega2, motion.omega3), (pose.theta2, pose.theta3)
-    angles = {"A": theta[0], "B": theta2 - theta[0], "E": theta[1], "D": theta3 - theta[1]}
-    rates = {"A": omega[0], "B": omega2 - omega[0], "E": omega[1], "D": omega3 - omega[1]}
-    q, v, tau = pinocchio.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
-    for name, angle in angles.items():
-        joint = model.joints[model.getJointId(name)]
-        wide = [np.cos(angle), np.sin(angle)] if joint.nq == 2 else [angle]
-        q[joint.idx_q:joint.idx_q + joint.nq] = wide
-        v[joint.idx_v] = rates[name]
-    driven = [model.joints[model.getJointId(name)].idx_v for name in ("A", "E")]
-    tau[driven] = torque
-    one, other = (model.frames[model.getFrameId(name)] for name in ("c_of_link2", "c_of_link3"))
-    loop = pinocchio.RigidConstraintModel(
-        pinocchio.ContactType.CONTACT_3D, model, one.parentJoint, one.placement, other.parentJoint,
-        other.placement, pinocchio.LOCAL)
-    loops = pinocchio.StdVec_RigidConstraintModel([loop])
-    data, loops_data = model.createData(), pinocchio.StdVec_RigidConstraintData([loop.createData()])
-    pinocchio.initConstraintDynamics(model, data, loops, loops_data)
-    settings = pinocchio.ProximalSettings(1e-12, 1e-10, 20)
+class ClosedChain:
+    """The arm in motion, without friction, for Pinocchio, which joins both halves of the loop by a constraint."""
 
-    def theirs():
-        return pinocchio.constraintDynamics(model, data, q, v, tau, loops, loops_data, settings)
+    def __init__(self):
+        smooth = "\n".join(line for line in ARM.toml.splitlines() if "friction" not in line)
+        self.arm = fivebar.Arm.from_toml(smooth)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "arm.urdf"
+            path.write_text(self.arm.export("urdf"), encoding="utf-8")
+            self.model = pinocchio.buildModelFromUrdf(str(path))
+        # The built-in arm lies flat.
+        self.model.gravity.linear = np.zeros(3)
+        self.theta, self.omega = np.array([2.2, 0.9]), np.array([1.0, 2.0])
+        self.torque = np.array([0.02, -0.01])
+        model, pose = self.model, self.arm.forward(self.theta)
+        angles = {"A": self.theta[0], "B": pose.theta2 - self.theta[0],
+                  "E": self.theta[1], "D": pose.theta3 - self.theta[1]}
+        self.q, self.tau = pinocchio.neutral(model), np.zeros(model.nv)
+        for name, angle in angles.items():
+            joint = model.joints[model.getJointId(name)]
+            wide = [np.cos(angle), np.sin(angle)] if joint.nq == 2 else [angle]
+            self.q[joint.idx_q:joint.idx_q + joint.nq] = wide
+        self.v = self.rates(self.theta, self.omega)
+        self.driven = [model.joints[model.getJointId(name)].idx_v for name in ("A", "E")]
+        self.tau[self.driven] = self.torque
+        one, other = (model.frames[model.getFrameId(name)] for name in ("c_of_link2", "c_of_link3"))
+        loop = pinocchio.RigidConstraintModel(
+            pinocchio.ContactType.CONTACT_3D, model, one.parentJoint, one.placement, other.parentJoint,
+            other.placement, pinocchio.LOCAL)
+        self.loops = pinocchio.StdVec_RigidConstraintModel([loop])
+        self.data = model.createData()
+        self.loops_data = pinocchio.StdVec_RigidConstraintData([loop.createData()])
+        pinocchio.initConstraintDynamics(model, self.data, self.loops, self.loops_data)
+        self.settings = pinocchio.ProximalSettings(1e-12, 1e-10, 20)
+
+    def rates(self, theta, omega):
+        """Of all joints."""
+        motion, rates = self.arm.motion(theta, omega), np.zeros(self.model.nv)
+        for name, rate in {"A": omega[0], "B": motion.omega2 - omega[0],
+                           "E": omega[1], "D": motion.omega3 - omega[1]}.items():
+            rates[self.model.joints[self.model.getJointId(name)].idx_v] = rate
+        return rates
+
+    def accelerations(self):
+        return pinocchio.constraintDynamics(
+            self.model, self.data, self.q, self.v, self.tau, self.loops, self.loops_data, self.settings)
+
+    def derivatives(self):
+        """Of all joints' accelerations by their angles, velocities and torques."""
+        self.accelerations()
+        return pinocchio.computeConstraintDynamicsDerivatives(
+            self.model, self.data, self.loops, self.loops_data, self.settings)[:3]
+
+
+def accelerations():
+    """α1, α4 under torques, without friction."""
+    chain = ClosedChain()
 
     def ours():
-        return arm.forward_dynamics(theta, omega, torque).alpha
+        return chain.arm.forward_dynamics(chain.theta, chain.omega, chain.torque).alpha
 
-    difference = np.abs(theirs()[driven] - ours()).max() / np.abs(ours()).max()
-    return ("accelerations of the closed chain", "pin", theirs, ours, difference, 1e-6)
+    difference = np.abs(chain.accelerations()[chain.driven] - ours()).max() / np.abs(ours()).max()
+    return ("accelerations of the closed chain", "pin", chain.accelerations, ours, difference, 1e-6)
+
+
+def derivatives():
+    """Of α1, α4 by θ, ω and τ. Ours are those of τ, and of more, by θ, ω and α, solved for α. Those by ω and τ are compared:
+    Pinocchio's by θ1 is not that of its accelerations."""
+    chain = ClosedChain()
+    alpha = chain.arm.forward_dynamics(chain.theta, chain.omega, chain.torque).alpha
+
+    def ours():
+        return chain.arm.derivatives(chain.theta, chain.omega, alpha, order=1)
+
+    torques = ours().first[6:8]
+    expected = np.linalg.solve(torques[:, 4:6], np.hstack([-torques[:, 2:4], np.eye(2)]))
+    _, by_v, by_tau = (part[chain.driven] for part in chain.derivatives())
+    turn = np.array([chain.rates(chain.theta, one) for one in np.eye(2)]).T
+    found = np.hstack([by_v @ turn, by_tau[:, chain.driven]])
+    difference = np.abs(found - expected).max() / np.abs(expected).max()
+    return ("first derivatives of the chain's dynamics", "pin", chain.derivatives, ours, difference, 1e-6)
 
 
 def inverse():
@@ -166,7 +206,7 @@ def main():
     parser.add_argument("--write", type=Path, metavar="FILE.md")
     given = parser.parse_args()
     rows, failed = [], []
-    for task in (accelerations, inverse, fastest, smooth):
+    for task in (accelerations, derivatives, inverse, fastest, smooth):
         name, other, theirs, ours, difference, bound = task()
         spent, own = 1e6 * seconds(theirs), 1e6 * seconds(ours)
         rows.append(f"| {name} | {other} {version(other)} | {spent:.1f} | {own:.1f} | {spent / own:.2g} | {difference:.0e} |")

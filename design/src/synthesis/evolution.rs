@@ -7,6 +7,7 @@
 //! All random numbers are drawn before the scores are computed, in parallel: the result depends on the
 //! seed alone.
 
+use super::problem::is_met;
 use crate::Noise;
 use rayon::prelude::*;
 
@@ -18,7 +19,7 @@ const BEST: f64 = 0.15;
 const CROSSOVER: f64 = 0.9;
 /// The least and greatest weight of a difference.
 const WEIGHT: [f64; 2] = [0.4, 0.9];
-/// The search ends where the scores of all candidates agree to this share.
+/// The search ends where the scores of all candidates, which meet the requirements, agree to this share.
 const AGREEMENT: f64 = 1e-7;
 
 /// The point of the unit cube with the greatest score that was found within `generations`. `observe` receives the
@@ -71,7 +72,7 @@ pub(super) fn maximise(
         }
         sort(&mut population);
         let (best, worst) = (population[0].1, population[count - 1].1);
-        if best - worst <= AGREEMENT * best.abs() {
+        if is_met(best) && best - worst <= AGREEMENT * best.abs() {
             break;
         }
     }
@@ -100,6 +101,7 @@ fn trial(population: &[(Vec<f64>, f64)], index: usize, noise: &mut Noise) -> Vec
 
 #[cfg(test)]
 mod tests {
+    use super::super::problem::NOT_MET;
     use super::maximise;
 
     #[test]
@@ -110,6 +112,20 @@ mod tests {
         for (found, expected) in point.iter().zip([0.0, 0.3, 0.3]) {
             assert!((found - expected).abs() < 1e-3, "{point:?}");
         }
+    }
+
+    #[test]
+    fn it_goes_on_while_all_candidates_fall_short_by_nearly_the_same() {
+        let score = |x: &[f64], _: f64| {
+            let off = (x[0] - 0.3).abs() + (x[1] - 0.6).abs();
+            if off < 1e-4 {
+                1.0 - off
+            } else {
+                NOT_MET - 0.05 * off
+            }
+        };
+        let (point, found) = maximise(2, 100, 1, || true, score, |_| ());
+        assert!(found > 0.0, "{point:?} {found}");
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod area;
 mod condition;
 mod cranks;
 mod evolution;
+mod front;
 mod interval;
 mod measure;
 mod payload;

@@ -12,6 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Generations of the search, and of the second one beside its result with the samples of the check.
 const GENERATIONS: usize = 120;
 const CHECK_GENERATIONS: usize = 40;
+/// Generations of a coarse search.
+const COARSE_GENERATIONS: usize = 30;
 /// The share of a budget that the first search may spend.
 const SEARCH_SHARE: f64 = 0.7;
 /// The width of the second search.
@@ -31,6 +33,11 @@ pub(super) const NOT_MET: f64 = -1e6;
 const SLACK: f64 = 1e-5;
 /// Change of a length for sensitivities, as a share of the links' sum.
 const CHANGE: f64 = 1e-5;
+
+/// Whether a candidate with this score meets the requirements.
+pub(super) fn is_met(score: f64) -> bool {
+    score > 0.5 * NOT_MET
+}
 
 /// A search for an arm.
 pub(super) struct Problem<'a> {
@@ -134,8 +141,7 @@ impl<'a> Problem<'a> {
         seed: u64,
         record: &mut dyn FnMut(&[study::Candidate]),
     ) -> (f64, Option<Design>) {
-        let legs = if self.specification.symmetric { 3 } else { 6 };
-        let dimensions = legs + usize::from(self.seeks_sum());
+        let dimensions = self.dimensions();
         let score =
             |point: &[f64], density, floor| self.scale(&self.candidate(point), density, floor).0;
         let (near, _) = maximise(
@@ -180,6 +186,32 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The value of the best arm that a coarse search finds: what is sought, or the inverse of what is to be small; 0 without one.
+    pub(super) fn coarse_value(&self, seed: u64) -> f64 {
+        let (_, score) = maximise(
+            self.dimensions(),
+            COARSE_GENERATIONS,
+            seed,
+            || self.has_left(1.0),
+            |point, floor| {
+                let candidate = self.candidate(point);
+                self.scale(&candidate, Density::Search, floor).0
+            },
+            |_| (),
+        );
+        match score {
+            score if !is_met(score) => 0.0,
+            score if score < 0.0 => -1.0 / score,
+            score => score,
+        }
+    }
+
+    /// How many numbers the search varies.
+    fn dimensions(&self) -> usize {
+        let legs = if self.specification.symmetric { 3 } else { 6 };
+        legs + usize::from(self.seeks_sum())
+    }
+
     /// Gives the candidates that meet the requirements to `record`.
     fn record<'p>(
         &self,
@@ -187,7 +219,7 @@ impl<'a> Problem<'a> {
         record: &mut dyn FnMut(&[study::Candidate]),
     ) {
         let candidates: Vec<_> = scored
-            .filter(|(_, score)| *score > 0.5 * NOT_MET)
+            .filter(|(_, score)| is_met(*score))
             .map(|(point, score)| {
                 let candidate = self.candidate(point);
                 let (sum, size) = self.scaled(&candidate, score);

@@ -2,7 +2,7 @@
 
 use super::area::{Density, Placed};
 use super::evolution::maximise;
-use super::problem::{NOT_MET, Problem};
+use super::problem::{NOT_MET, Problem, is_met};
 use super::proof::Proof;
 use super::{Area, Design, Objective};
 
@@ -102,7 +102,7 @@ impl Problem<'_> {
                 }
             }
             // Lengths are far less than this.
-            if nearest.is_some_and(|(score, _)| score > 0.5 * NOT_MET || !self.has_left(1.0)) {
+            if nearest.is_some_and(|(score, _)| is_met(score) || !self.has_left(1.0)) {
                 break;
             }
         }
@@ -170,7 +170,7 @@ impl Problem<'_> {
         let size = size.unwrap_or(wanted);
         let design = self.design(lengths, Placed { size, place });
         // Samples may miss a place that the rounded arm does not reach.
-        if score > 0.5 * NOT_MET && self.prove(&design) != Proof::Proved {
+        if is_met(score) && self.prove(&design) != Proof::Proved {
             return (NOT_MET, design);
         }
         // Of arms that meet the requirements, the shortest is wanted.

@@ -3,19 +3,33 @@
 //! from the searches that it has.
 
 use super::area::{Density, Placed};
+use super::front::{knots, spaced};
 use super::problem::Problem;
 use super::proof::{self, Proof};
 use super::{Design, Specification, Synthesis, SynthesisError};
 use crate::noise::stream;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::OnceLock;
 
 /// A synthesis, to be searched.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct Study {
     specification: Specification,
     seed: u64,
     budget: u64,
+    /// The least 1/κ of each design, once they are known.
+    spacing: OnceLock<Spacing>,
+}
+
+/// How the designs of a front are spaced.
+#[derive(Clone)]
+struct Spacing {
+    /// The least 1/κ of each.
+    dexterities: Vec<f64>,
+    /// How often the coarse searches examined the area of an arm.
+    evaluations: u64,
 }
 
 /// The result of one search.
@@ -50,6 +64,7 @@ impl Study {
             specification: specification.clone(),
             seed,
             budget: u64::MAX,
+            spacing: OnceLock::new(),
         }
     }
 
@@ -57,7 +72,11 @@ impl Study {
     /// soon after; so does the search of lengths in stock.
     #[must_use]
     pub fn within(self, budget: u64) -> Self {
-        Self { budget, ..self }
+        Self {
+            budget,
+            spacing: OnceLock::new(),
+            ..self
+        }
     }
 
     /// What is wanted.
@@ -72,23 +91,31 @@ impl Study {
 
     /// Does the search with this index, and gives its candidates, generation by generation, to `record`.
     pub fn search(&self, index: usize, record: &mut dyn FnMut(&[Candidate])) -> Found {
-        let dexterity = self.dexterity(index / self.starts());
+        let dexterity = self.required_dexterity(index);
         let problem = Problem::new(&self.specification, dexterity, self.budget);
         let seed = match index % self.starts() {
             0 => self.seed,
             start => stream(self.seed, start as u64),
         };
         let (score, design) = problem.solve(seed, record);
+        // The first search that needs the coarse ones counts them.
+        let coarse = match index == self.starts() {
+            true => self.spacing().evaluations,
+            false => 0,
+        };
         Found {
             design,
             score,
-            evaluations: problem.evaluations(),
+            evaluations: problem.evaluations() + coarse,
         }
     }
 
     /// The least 1/κ that all candidates of a search have.
     pub fn required_dexterity(&self, index: usize) -> f64 {
-        self.dexterity(index / self.starts())
+        match index / self.starts() {
+            0 => self.specification.dexterity,
+            design => self.spacing().dexterities[design],
+        }
     }
 
     /// Does the searches that are not among the `known`, on all threads, and the rest of the synthesis. `done`
@@ -186,10 +213,41 @@ impl Study {
         self.specification.starts.max(1)
     }
 
-    /// The least 1/κ of a design of the front. They are closer together near 1, where the size falls as √(1 − 1/κ): so
-    /// the same number of designs dominates more.
-    fn dexterity(&self, design: usize) -> f64 {
-        let rest = 1.0 - design as f64 / self.designs() as f64;
-        1.0 - (1.0 - self.specification.dexterity) * rest * rest.sqrt()
+    /// The designs of the front, by coarse searches of their own.
+    fn spacing(&self) -> &Spacing {
+        self.spacing.get_or_init(|| {
+            let least = self.specification.dexterity;
+            let coarse = knots(least).map(|dexterity| {
+                let problem = Problem::new(&self.specification, dexterity, self.budget);
+                (problem.coarse_value(self.seed), problem.evaluations())
+            });
+            Spacing {
+                dexterities: spaced(least, self.designs(), coarse.map(|(value, _)| value)),
+                evaluations: coarse.iter().map(|(_, evaluations)| evaluations).sum(),
+            }
+        })
+    }
+}
+
+impl fmt::Debug for Study {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            specification,
+            seed,
+            budget,
+            ..
+        } = self;
+        f.debug_struct("Study")
+            .field("specification", specification)
+            .field("seed", seed)
+            .field("budget", budget)
+            .finish_non_exhaustive()
+    }
+}
+
+impl PartialEq for Study {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.specification, self.seed, self.budget)
+            == (&other.specification, other.seed, other.budget)
     }
 }
