@@ -10,10 +10,8 @@ use nalgebra::Vector2;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Generations of the search, and of the second one beside its result with the samples of the check.
-const GENERATIONS: usize = 120;
+pub(super) const GENERATIONS: usize = 120;
 const CHECK_GENERATIONS: usize = 40;
-/// Generations of a coarse search.
-const COARSE_GENERATIONS: usize = 30;
 /// The share of a budget that the first search may spend.
 const SEARCH_SHARE: f64 = 0.7;
 /// The width of the second search.
@@ -187,10 +185,10 @@ impl<'a> Problem<'a> {
     }
 
     /// The value of the best arm that a coarse search finds: what is sought, or the inverse of what is to be small; 0 without one.
-    pub(super) fn coarse_value(&self, seed: u64) -> f64 {
+    pub(super) fn coarse_value(&self, seed: u64, generations: usize) -> f64 {
         let (_, score) = maximise(
             self.dimensions(),
-            COARSE_GENERATIONS,
+            generations,
             seed,
             || self.has_left(1.0),
             |point, floor| {

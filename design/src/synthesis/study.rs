@@ -4,7 +4,7 @@
 
 use super::area::{Density, Placed};
 use super::front::{knots, spaced};
-use super::problem::Problem;
+use super::problem::{GENERATIONS, Problem};
 use super::proof::{self, Proof};
 use super::{Design, Specification, Synthesis, SynthesisError};
 use crate::noise::stream;
@@ -12,6 +12,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::OnceLock;
+
+/// Generations of the first coarse search. The others examine as many areas as it does.
+const COARSE_GENERATIONS: usize = 30;
 
 /// A synthesis, to be searched.
 #[derive(Clone)]
@@ -217,9 +220,18 @@ impl Study {
     fn spacing(&self) -> &Spacing {
         self.spacing.get_or_init(|| {
             let least = self.specification.dexterity;
-            let coarse = knots(least).map(|dexterity| {
-                let problem = Problem::new(&self.specification, dexterity, self.budget);
-                (problem.coarse_value(self.seed), problem.evaluations())
+            let knots = knots(least);
+            let search = |knot: usize, generations, budget| {
+                let problem = Problem::new(&self.specification, knots[knot], budget);
+                let value = problem.coarse_value(self.seed, generations);
+                (value, problem.evaluations())
+            };
+            let first = search(0, COARSE_GENERATIONS, self.budget);
+            // For more dexterity fewer arms meet the requirements, and a generation examines fewer areas: it takes more
+            // of them.
+            let coarse = std::array::from_fn(|knot| match knot {
+                0 => first,
+                _ => search(knot, GENERATIONS, first.1),
             });
             Spacing {
                 dexterities: spaced(least, self.designs(), coarse.map(|(value, _)| value)),
@@ -249,5 +261,39 @@ impl PartialEq for Study {
     fn eq(&self, other: &Self) -> bool {
         (&self.specification, self.seed, self.budget)
             == (&other.specification, other.seed, other.budget)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Area, Objective, Specification, Stock, Tolerance};
+    use super::Study;
+
+    /// The arm with the largest upright rectangle, and four with more dexterity.
+    fn upright() -> Specification {
+        Specification {
+            symmetric: true,
+            base: [0.02, 0.3],
+            link_sum: 0.3,
+            area: Area::Rectangle { aspect: 0.6 },
+            dexterity: 0.5,
+            sine: 0.0,
+            cranks: None,
+            stock: Stock::default(),
+            payload: None,
+            tolerance: Tolerance::default(),
+            objective: Objective::Size,
+            front: 5,
+            starts: 1,
+        }
+    }
+
+    #[test]
+    fn a_front_ends_where_it_dominates_the_most_whatever_the_seed() {
+        for seed in 1..=3 {
+            let last = Study::new(&upright(), seed).required_dexterity(4);
+            // Of a front of 30 arms the five that dominate the most end at 0.946; a little beside it they dominate as much.
+            assert!((last - 0.946).abs() < 0.01, "{seed}: {last}");
+        }
     }
 }
