@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Seeds mistakes into the controller's portable part and into crates of the host, one at a time, in a copy of the
+"""Seeds mistakes into the controller's portable part, the Pico's USB and crates of the host, one at a time, in a copy of the
 sources, and runs the crate's tests. Each must be caught. The table is docs/verify/data/mistakes.csv.
 
     firmware/mistakes.py            all of them
