@@ -178,7 +178,7 @@ impl UsbHost {
     }
 
     /// What the device answers; too many tokens without an answer are a failure.
-    fn heard(&mut self, answer: Answer) -> Answer {
+    fn answered(&mut self, answer: Answer) -> Answer {
         self.silent = if answer == Answer::None {
             self.silent + 1
         } else {
@@ -204,7 +204,7 @@ impl UsbHost {
             (Stage::Data, false) => usb.token_out(self.address, 0, &transfer.bytes, true),
             (Stage::Status, true) => usb.token_out(self.address, 0, &[], true),
         };
-        match (self.heard(answer), transfer.stage) {
+        match (self.answered(answer), transfer.stage) {
             (Answer::Stall, _) => return self.refuse(),
             (Answer::None | Answer::Nak, _) => {}
             // Out of turn: the host takes it for one that it has, and for what it waits, it waits on.
@@ -293,22 +293,22 @@ impl UsbHost {
                 return;
             }
             let answer = usb.token_in(self.address, to_host);
-            if let Answer::Data(bytes, data1) = self.heard(answer) {
-                self.hear(&bytes, data1);
+            if let Answer::Data(bytes, data1) = self.answered(answer) {
+                self.take_bytes(&bytes, data1);
             }
             return;
         }
         let count = self.from_host.len().min(PACKET);
         let bytes: Vec<u8> = self.from_host.iter().take(count).copied().collect();
         let answer = usb.token_out(self.address, from_host, &bytes, self.turns[1]);
-        if self.heard(answer) == Answer::Ack {
+        if self.answered(answer) == Answer::Ack {
             self.turns[1] = !self.turns[1];
             self.from_host.drain(..count);
         }
     }
 
     /// Takes a packet of the serial line.
-    fn hear(&mut self, bytes: &[u8], data1: bool) {
+    fn take_bytes(&mut self, bytes: &[u8], data1: bool) {
         if data1 != self.turns[0] {
             self.out_of_turn += 1;
             return;

@@ -143,7 +143,7 @@ fn ask(bench: &Bench, numbers: impl IntoIterator<Item = u16>, every: u64) {
 }
 
 /// The bytes that come within 20 ticks.
-fn heard(bench: &Bench) -> Vec<u8> {
+fn received(bench: &Bench) -> Vec<u8> {
     bench.line.chip().run(20 * PERIOD).expect("it runs");
     bench.line.chip().usb().receive(10_000)
 }
@@ -168,18 +168,18 @@ fn replies_wait_for_a_host_and_those_without_room_are_dropped_whole() {
     bench.line.chip().usb().deaf = true;
     ask(&bench, 1000..1020, 10 * PERIOD);
     bench.line.chip().usb().deaf = false;
-    assert_eq!(replied(&heard(&bench)), Vec::from_iter(1000..1020));
+    assert_eq!(replied(&received(&bench)), Vec::from_iter(1000..1020));
     // The room is that of two of the longest frames, a packet waits, and another one is on its way.
     let most = 2 * MAX_FRAME + 2 * 64;
     bench.line.chip().usb().deaf = true;
     ask(&bench, 1000..1100, 10 * PERIOD);
     bench.line.chip().usb().deaf = false;
-    let mut bytes = heard(&bench);
+    let mut bytes = received(&bench);
     let count = bytes.len();
     assert!((2 * MAX_FRAME - 64..=most).contains(&count), "{count}");
     // Whatever was cut is damaged by the next one.
     ask(&bench, [2000], 0);
-    bytes.extend(heard(&bench));
+    bytes.extend(received(&bench));
     let replied = replied(&bytes);
     let (last, first) = replied.split_last().expect("replies");
     assert_eq!(*last, 2000);
@@ -192,7 +192,7 @@ fn a_full_last_packet_is_ended_by_an_empty_one() {
     // Lengths of a reply: of a number of two bytes, and of one of three.
     let [short, long] = [1000, 20_000].map(|number| {
         ask(&bench, [number], 0);
-        heard(&bench).len()
+        received(&bench).len()
     });
     assert_eq!((short, long), (14, 15));
     // The first one goes at once, the others in two packets: 7 of 14 bytes and 2 of 15 are 128.
@@ -200,5 +200,5 @@ fn a_full_last_packet_is_ended_by_an_empty_one() {
     bench.line.chip().usb().deaf = true;
     ask(&bench, numbers.clone(), 10 * PERIOD);
     bench.line.chip().usb().deaf = false;
-    assert_eq!(replied(&heard(&bench)), Vec::from_iter(numbers));
+    assert_eq!(replied(&received(&bench)), Vec::from_iter(numbers));
 }
