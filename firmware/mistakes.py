@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Seeds mistakes into the controller's portable part and into crates of the host, one at a time, in a copy of the
+"""Seeds mistakes into the controller's portable part, the Pico's USB and crates of the host, one at a time, in a copy of the
 sources, and runs the crate's tests. Each must be caught. The table is docs/verify/data/mistakes.csv.
 
     firmware/mistakes.py            all of them
     firmware/mistakes.py 3 7        those by number
     firmware/mistakes.py --check    only whether each old text occurs once in its file, and what the page says
 """
+import os
 import pathlib
 import sys
 
@@ -234,7 +235,7 @@ MISTAKES = [
     ("an over-current limit that joint 4's sensor cannot tell", "settings/table.rs", "self.least(AxisSettings::greatest_current)", "self.axes[0].greatest_current()"),
     ("an armed arm in the working mode of before", "controller/request.rs", "        self.mode = mode;\n", "        let _ = mode;\n"),
     ("a joint move that leaves the planner in the old working mode", "planner/mod.rs", "self.envelope.workspace.mode = *mode;", "let _ = mode;"),
-    ("an arm still homed while it is homed again", "controller/homing.rs", "        self.homed = false;\n        self.homed_by_index = false;\n        self.homing =", "        self.homed_by_index = false;\n        self.homing ="),
+    ("an arm still homed while it is homed again", "controller/homing.rs", "        self.homed = false;\n        self.homed_by_index =", "        self.homed_by_index ="),
     ("homing without its limit of torque", "controller/homing.rs", "limited(demanded, axis.homing_torque)", "demanded"),
     ("an encoder's error not counted from the home angle", "controller/homing.rs", "encoder.set_origin(settings.home_angle, encoder.shown_at_home);", "let _ = encoder;"),
     ("an encoder's error counted from home for declared angles", "controller/request.rs", "encoder.set_origin(angle, shown);", "encoder.set_origin(angle, encoder.shown_at_home + 0.0 * shown);"),
@@ -427,7 +428,12 @@ MISTAKES = [
     ("the χ² tail of twice the freedom", "design/src/statistics.rs", "incomplete_gamma(0.5 * freedom,", "incomplete_gamma(freedom,"),
     ("joint 4's index pulses not compared", "controller/time_slices.rs", "                self.compare_pulse(1);\n", ""),
     ("an index pulse compared again and again", "controller/index_check.rs", "landmarks.pulse.take()", "landmarks.pulse"),
-    ("usb: a packet to the host has the turn of the one before", "board/rp2350/usb/bus.rs", "let turn = (before & DATA1) ^ DATA1;", "let turn = before & DATA1;"),
+    ("a USB packet to the host has the turn of the one before", "board/rp2350/usb/bus.rs", "let turn = (before & DATA1) ^ DATA1;", "let turn = before & DATA1;"),
+    ("a USB packet from the host has the turn of the one before", "board/rp2350/usb/bus.rs", "let turn = (control & DATA1) ^ DATA1;", "let turn = control & DATA1;"),
+    ("a USB address outlives a reset of the bus", "board/rp2350/usb/bus.rs", "        self.usb.addr_endp().reset();\n", ""),
+    ("a frame without room on USB is cut", "board/rp2350/usb/mod.rs", "self.waiting.capacity() - self.waiting.len() < frame.len()", "self.waiting.capacity() == self.waiting.len()"),
+    ("a USB packet is lost while its buffer is busy", "board/rp2350/usb/mod.rs", "if (!ends || self.was_full) && self.class.write_packet(&self.packet).is_ok() {", "if !ends || self.was_full {\n            let _ = self.class.write_packet(&self.packet);"),
+    ("a full USB packet is not ended", "board/rp2350/usb/mod.rs", "if (!ends || self.was_full) && self", "if !ends && self"),
 ]
 
 

@@ -5,7 +5,7 @@
 #   scripts/pico.sh          all of it
 #   scripts/pico.sh image    the images and their bounds; their folder is the last line
 #   scripts/pico.sh build    the images alone, without their bounds
-#   scripts/pico.sh draw [ROBOT [JOB]]  draws on the simulated Pico 2, by default the demonstration, into out/pico.svg
+#   scripts/pico.sh draw [ROBOT [JOB]]  draws on the simulated Pico 2, by default a half circle, into out/pico.svg
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/target-dir.sh

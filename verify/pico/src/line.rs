@@ -9,38 +9,40 @@ use std::time::Duration;
 
 /// The host looks for bytes so often [cycles].
 const SLICE: u64 = HZ / 20_000;
+/// A line over USB on which nothing comes for so long, while the host waits, has failed: half a second [cycles].
+const MOST_SILENCE: u64 = HZ / 2;
 
 /// A serial line to a chip. Clones are ends of the same line.
 #[derive(Clone)]
 pub struct HostLine {
     chip: Rc<RefCell<Chip>>,
     over_usb: bool,
+    /// How long the host has waited since the last byte [cycles].
+    silence: u64,
 }
 
 impl HostLine {
     /// The host's end of this chip's line.
     pub fn new(chip: Chip) -> Self {
-        let chip = Rc::new(RefCell::new(chip));
+        Self::to(Rc::new(RefCell::new(chip)), false)
+    }
+
+    fn to(chip: Rc<RefCell<Chip>>, over_usb: bool) -> Self {
         Self {
             chip,
-            over_usb: false,
+            over_usb,
+            silence: 0,
         }
     }
 
     /// The host's end of the line over USB to the same chip.
     pub fn over_usb(&self) -> Self {
-        Self {
-            chip: Rc::clone(&self.chip),
-            over_usb: true,
-        }
+        Self::to(Rc::clone(&self.chip), true)
     }
 
     /// The serial line of the same chip.
     pub fn serial(&self) -> Self {
-        Self {
-            chip: Rc::clone(&self.chip),
-            over_usb: false,
-        }
+        Self::to(Rc::clone(&self.chip), false)
     }
 
     fn taken(&self, chip: &mut Chip, most: usize) -> Vec<u8> {
@@ -63,16 +65,21 @@ impl HostLine {
 
 impl Read for HostLine {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let mut chip = self.chip();
+        let mut chip = self.chip.borrow_mut();
         let end = chip.now() + READ.as_nanos() as u64 * 3 / 20;
         let mut received = self.taken(&mut chip, bytes.len());
         while received.is_empty() {
+            if self.over_usb && self.silence >= MOST_SILENCE {
+                return Err(io::Error::other("nothing comes over USB for 0.5 s"));
+            }
             if chip.now() >= end {
                 return Err(ErrorKind::TimedOut.into());
             }
             chip.run(SLICE).map_err(io::Error::other)?;
+            self.silence += SLICE;
             received = self.taken(&mut chip, bytes.len());
         }
+        self.silence = 0;
         bytes[..received.len()].copy_from_slice(&received);
         Ok(received.len())
     }

@@ -149,9 +149,9 @@ impl Usb {
             && self.control & PULL_UP != 0
     }
 
+    /// The host resets the bus. The address stays until the program changes it.
     pub(crate) fn bus_reset(&mut self) {
         self.status |= BUS_RESET;
-        self.address = 0;
     }
 
     pub(crate) fn suspend(&mut self) {

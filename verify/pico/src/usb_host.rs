@@ -1,5 +1,6 @@
 //! A host at the other end of the USB cable: it finds the device, reads what it says of itself, opens its serial line, and moves
-//! bytes both ways. It does one transaction in 60 µs, as a busy host with one device.
+//! bytes both ways. It does one transaction in 60 µs, as a busy host with one device. It is as strict as the strictest hosts: it
+//! takes no packet out of turn, and gives up a device that is silent or slow.
 
 use crate::usb::{Answer, Usb};
 use std::collections::VecDeque;
@@ -8,6 +9,16 @@ use std::collections::VecDeque;
 const TRANSACTION: u64 = 9_000;
 const RESET: u64 = 1_500_000;
 const SLEEP: u64 = 450_000;
+/// Cycles in which a device takes its new address: 2 ms.
+const NEW_ADDRESS: u64 = 300_000;
+/// Transactions of a control transfer at most: 50 ms.
+const MOST_TRANSACTIONS: u32 = 833;
+/// Tokens in a row without an answer, behind which a device is lost.
+const MOST_SILENT: u32 = 3;
+/// Bytes of a packet, and bytes that the host asks of the serial line at a time: it sees them when all have come, or behind a packet
+/// that is not full.
+const PACKET: usize = 64;
+const ASKED: usize = 4096;
 /// The address that the device gets.
 const ADDRESS: u8 = 5;
 
@@ -19,6 +30,7 @@ struct Transfer {
     answer: Vec<u8>,
     /// The turn of the next packet.
     data1: bool,
+    transactions: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -47,11 +59,17 @@ pub struct UsbHost {
     pub descriptors: [Vec<u8>; 2],
     /// Requests that it refused.
     pub refused: u32,
-    /// Packets that came out of turn.
+    /// Packets that came out of turn, which it did not take.
     pub out_of_turn: u32,
+    /// Why it has given the device up.
+    pub failure: Option<&'static str>,
+    /// Tokens in a row without an answer.
+    silent: u32,
     /// It takes nothing from the serial line.
     pub deaf: bool,
     from_host: VecDeque<u8>,
+    /// Bytes that have come of those asked for, and those that the host sees.
+    asked: Vec<u8>,
     to_host: VecDeque<u8>,
 }
 
@@ -81,7 +99,7 @@ impl UsbHost {
 
     /// Whether the serial line is open.
     pub fn is_open(&self) -> bool {
-        self.plugged && self.step == usize::MAX
+        self.plugged && self.step == usize::MAX && self.failure.is_none()
     }
 
     /// Sends bytes over the serial line.
@@ -106,7 +124,7 @@ impl UsbHost {
             return;
         }
         self.until_next = TRANSACTION;
-        if !usb.is_seen() {
+        if !usb.is_seen() || self.failure.is_some() {
             return;
         }
         match self.transfer.take() {
@@ -151,54 +169,68 @@ impl UsbHost {
             stage: Stage::Setup,
             answer: Vec::new(),
             data1: true,
+            transactions: 0,
         });
     }
 
+    fn fail(&mut self, why: &'static str) {
+        self.failure = Some(why);
+    }
+
+    /// What the device answers; too many tokens without an answer are a failure.
+    fn answered(&mut self, answer: Answer) -> Answer {
+        self.silent = if answer == Answer::None {
+            self.silent + 1
+        } else {
+            0
+        };
+        if self.silent >= MOST_SILENT {
+            self.fail("no device answers at the address");
+        }
+        answer
+    }
+
+    /// The next transaction of a control transfer.
     fn go_on(&mut self, usb: &mut Usb, mut transfer: Transfer) {
+        transfer.transactions += 1;
+        if transfer.transactions > MOST_TRANSACTIONS {
+            return self.fail("a control transfer takes more than 50 ms");
+        }
         let to_host = transfer.packet[0] & 0x80 != 0;
-        let length = usize::from(u16::from_le_bytes([transfer.packet[6], transfer.packet[7]]));
-        match transfer.stage {
-            Stage::Setup => {
-                if usb.setup(self.address, transfer.packet) == Answer::Ack {
-                    transfer.stage = if length > 0 {
-                        Stage::Data
-                    } else {
-                        Stage::Status
-                    };
-                }
+        let has_data = transfer.packet[6..] != [0, 0];
+        let answer = match (transfer.stage, to_host) {
+            (Stage::Setup, _) => usb.setup(self.address, transfer.packet),
+            (Stage::Data, true) | (Stage::Status, false) => usb.token_in(self.address, 0),
+            (Stage::Data, false) => usb.token_out(self.address, 0, &transfer.bytes, true),
+            (Stage::Status, true) => usb.token_out(self.address, 0, &[], true),
+        };
+        match (self.answered(answer), transfer.stage) {
+            (Answer::Stall, _) => return self.refuse(),
+            (Answer::None | Answer::Nak, _) => {}
+            // Out of turn: the host takes it for one that it has, and for what it waits, it waits on.
+            (Answer::Data(_, data1), _) if data1 != transfer.data1 => self.out_of_turn += 1,
+            (Answer::Data(bytes, _), Stage::Data) => self.take(&mut transfer, &bytes),
+            (Answer::Data(bytes, _), _) if !bytes.is_empty() => {
+                return self.fail("bytes end a control transfer");
             }
-            Stage::Data if to_host => match usb.token_in(self.address, 0) {
-                Answer::Data(bytes, data1) => {
-                    self.out_of_turn += u32::from(data1 != transfer.data1);
-                    transfer.data1 = !transfer.data1;
-                    transfer.answer.extend(&bytes);
-                    if bytes.len() < 64 || transfer.answer.len() == length {
-                        transfer.stage = Stage::Status;
-                    }
-                }
-                Answer::Stall => return self.refuse(),
-                _ => {}
-            },
-            Stage::Data => match usb.token_out(self.address, 0, &transfer.bytes, true) {
-                Answer::Ack => transfer.stage = Stage::Status,
-                Answer::Stall => return self.refuse(),
-                _ => {}
-            },
-            Stage::Status if to_host => {
-                if usb.token_out(self.address, 0, &[], true) == Answer::Ack {
-                    return self.end(transfer);
-                }
-            }
-            Stage::Status => match usb.token_in(self.address, 0) {
-                Answer::Data(bytes, data1) => {
-                    self.out_of_turn += u32::from(!data1 || !bytes.is_empty());
-                    return self.end(transfer);
-                }
-                Answer::Stall => return self.refuse(),
-                _ => {}
-            },
+            (Answer::Data(..), _) | (Answer::Ack, Stage::Status) => return self.end(transfer),
+            (Answer::Ack, Stage::Setup) if has_data => transfer.stage = Stage::Data,
+            (Answer::Ack, _) => transfer.stage = Stage::Status,
         }
         self.transfer = Some(transfer);
+    }
+
+    /// Takes a packet of a control transfer. One that is not full ends the bytes before as many as were asked for have come.
+    fn take(&mut self, transfer: &mut Transfer, bytes: &[u8]) {
+        let length = usize::from(u16::from_le_bytes([transfer.packet[6], transfer.packet[7]]));
+        transfer.data1 = !transfer.data1;
+        transfer.answer.extend(bytes);
+        if bytes.len() > PACKET || transfer.answer.len() > length {
+            self.fail("more bytes come than the host asked for");
+        }
+        if bytes.len() < PACKET || transfer.answer.len() == length {
+            transfer.stage = Stage::Status;
+        }
     }
 
     fn refuse(&mut self) {
@@ -208,7 +240,10 @@ impl UsbHost {
 
     fn end(&mut self, transfer: Transfer) {
         match self.step {
-            3 => self.address = ADDRESS,
+            3 => {
+                self.address = ADDRESS;
+                self.until_next = NEW_ADDRESS;
+            }
             4 => self.descriptors[0] = transfer.answer,
             6 => self.descriptors[1] = transfer.answer,
             7 => {
@@ -257,21 +292,31 @@ impl UsbHost {
             if self.deaf {
                 return;
             }
-            if let Answer::Data(bytes, data1) = usb.token_in(self.address, to_host) {
-                if data1 == self.turns[0] {
-                    self.turns[0] = !data1;
-                    self.to_host.extend(bytes);
-                } else {
-                    self.out_of_turn += 1;
-                }
+            let answer = usb.token_in(self.address, to_host);
+            if let Answer::Data(bytes, data1) = self.answered(answer) {
+                self.take_bytes(&bytes, data1);
             }
             return;
         }
-        let count = self.from_host.len().min(64);
+        let count = self.from_host.len().min(PACKET);
         let bytes: Vec<u8> = self.from_host.iter().take(count).copied().collect();
-        if usb.token_out(self.address, from_host, &bytes, self.turns[1]) == Answer::Ack {
+        let answer = usb.token_out(self.address, from_host, &bytes, self.turns[1]);
+        if self.answered(answer) == Answer::Ack {
             self.turns[1] = !self.turns[1];
             self.from_host.drain(..count);
+        }
+    }
+
+    /// Takes a packet of the serial line.
+    fn take_bytes(&mut self, bytes: &[u8], data1: bool) {
+        if data1 != self.turns[0] {
+            self.out_of_turn += 1;
+            return;
+        }
+        self.turns[0] = !data1;
+        self.asked.extend(bytes);
+        if bytes.len() < PACKET || self.asked.len() >= ASKED {
+            self.to_host.extend(self.asked.drain(..));
         }
     }
 }

@@ -4,7 +4,7 @@ mod bench;
 
 use bench::{Bench, PERIOD, commands, frame, open, plug};
 use fivebar_firmware::Request;
-use fivebar_firmware::protocol::{HostCommand, Reply};
+use fivebar_firmware::protocol::{ControllerMessage, Decoder, HostCommand, MAX_FRAME, Reply};
 use fivebar_firmware::safety::{Fault, State};
 use fivebar_pico::{HZ, HostLine};
 
@@ -32,6 +32,8 @@ fn a_host_finds_the_device_and_opens_its_line() {
         assert_eq!((host.refused, host.out_of_turn), (1, 0));
         drop(chip);
         assert_eq!(bench.status().fault, None);
+        // The settings went over it, too: nothing was said twice.
+        assert_eq!(bench.client.repeats(), 0);
     }
 }
 
@@ -45,8 +47,10 @@ fn moving(bench: &mut Bench) {
         let reply = bench.client.call(HostCommand::Move(next));
         assert!(matches!(reply, Ok(Reply::Taken { .. })), "{reply:?}");
     }
+    let end = bench.line.chip().now() + HZ;
     while bench.line.chip().wires().pulses.len() < 50 {
         assert_eq!(bench.status().fault, None);
+        assert!(bench.line.chip().now() < end, "the arm moves within 1 s");
     }
 }
 
@@ -122,12 +126,79 @@ fn a_host_that_takes_nothing_holds_nothing_up() {
     let mut bench = bench();
     moving(&mut bench);
     bench.line.chip().usb().deaf = true;
-    let frame = frame(77, HostCommand::Status);
-    for _ in 0..20 {
-        bench.line.chip().usb().send(&frame);
-        bench.line.chip().run(HZ / 50).expect("it runs");
-    }
+    ask(&bench, [1000; 20], HZ / 50);
     bench.line.chip().usb().deaf = false;
     let status = bench.status();
     assert_eq!((status.fault, status.missed_ticks), (None, 0));
+}
+
+/// Sends commands with these numbers, one each so many cycles. They are not the session's next ones, which is all that the replies
+/// say: short ones.
+fn ask(bench: &Bench, numbers: impl IntoIterator<Item = u16>, every: u64) {
+    for number in numbers {
+        let frame = frame(number, HostCommand::Status);
+        bench.line.chip().usb().send(&frame);
+        bench.line.chip().run(every).expect("it runs");
+    }
+}
+
+/// The bytes that come within 20 ticks.
+fn received(bench: &Bench) -> Vec<u8> {
+    bench.line.chip().run(20 * PERIOD).expect("it runs");
+    bench.line.chip().usb().receive(10_000)
+}
+
+/// The numbers of the commands that these bytes reply to. None of them is damaged.
+fn replied(bytes: &[u8]) -> Vec<u16> {
+    let mut decoder = Decoder::<ControllerMessage>::new();
+    let messages: Vec<_> = bytes
+        .iter()
+        .filter_map(|&byte| decoder.feed(byte))
+        .collect();
+    let number = |message| match message {
+        Ok(ControllerMessage::Reply { sequence, .. }) => sequence.0,
+        other => panic!("{other:?}"),
+    };
+    messages.into_iter().map(number).collect()
+}
+
+#[test]
+fn replies_wait_for_a_host_and_those_without_room_are_dropped_whole() {
+    let bench = bench();
+    bench.line.chip().usb().deaf = true;
+    ask(&bench, 1000..1020, 10 * PERIOD);
+    bench.line.chip().usb().deaf = false;
+    assert_eq!(replied(&received(&bench)), Vec::from_iter(1000..1020));
+    // The room is that of two of the longest frames, a packet waits, and another one is on its way.
+    let most = 2 * MAX_FRAME + 2 * 64;
+    bench.line.chip().usb().deaf = true;
+    ask(&bench, 1000..1100, 10 * PERIOD);
+    bench.line.chip().usb().deaf = false;
+    let mut bytes = received(&bench);
+    let count = bytes.len();
+    assert!((2 * MAX_FRAME - 64..=most).contains(&count), "{count}");
+    // Whatever was cut is damaged by the next one.
+    ask(&bench, [2000], 0);
+    bytes.extend(received(&bench));
+    let replied = replied(&bytes);
+    let (last, first) = replied.split_last().expect("replies");
+    assert_eq!(*last, 2000);
+    assert_eq!(first, Vec::from_iter((1000..).take(first.len())));
+}
+
+#[test]
+fn a_full_last_packet_is_ended_by_an_empty_one() {
+    let bench = bench();
+    // Lengths of a reply: of a number of two bytes, and of one of three.
+    let [short, long] = [1000, 20_000].map(|number| {
+        ask(&bench, [number], 0);
+        received(&bench).len()
+    });
+    assert_eq!((short, long), (14, 15));
+    // The first one goes at once, the others in two packets: 7 of 14 bytes and 2 of 15 are 128.
+    let numbers = [1000; 8].into_iter().chain([20_000; 2]);
+    bench.line.chip().usb().deaf = true;
+    ask(&bench, numbers.clone(), 10 * PERIOD);
+    bench.line.chip().usb().deaf = false;
+    assert_eq!(replied(&received(&bench)), Vec::from_iter(numbers));
 }

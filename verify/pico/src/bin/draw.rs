@@ -1,7 +1,7 @@
 //! Draws on a simulated Pico 2 whose image moves a simulated arm, and writes what the arm's tool drew.
 //!
-//! `draw <folder of the images> <robot> <picture> [job]`: without a job the demonstration. `scripts/pico.sh draw` builds the
-//! images and runs it.
+//! `draw <folder of the images> <robot> <picture> [job]`: without a job a half circle and its diameter. `scripts/pico.sh draw`
+//! builds the images and runs it. A second of the board takes about 16 of a computer: no long job.
 
 use fivebar_files::robot::Robot;
 use fivebar_files::scenario::Scenario;
@@ -20,6 +20,8 @@ use std::rc::Rc;
 const UNIT: f64 = 75.0;
 /// Ticks from one place of the tool that is kept to the next.
 const EVERY: u32 = 50;
+/// A job that takes a few seconds of the board: the diameter of a half circle, and the half circle back.
+const JOB: &str = "G21\nG90\nG0 X0 Y0\nG1 X10 Y0 F1200\nG3 X0 Y0 I-5 J0\n";
 /// Millimetres around a picture.
 const MARGIN: f64 = 2.0;
 
@@ -116,7 +118,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut client, _) = Client::open_with_clock(line.clone(), HostLine::time)?;
 
     let scenario = match job {
-        [] => Scenario::demonstration(robot),
+        [] => Scenario::new("drawing", robot, "half circle.gcode", JOB.into()),
         [file, ..] => Scenario::new("drawing", robot, file, std::fs::read_to_string(file)?),
     };
     let moves = scenario.moves(&scenario.job()?)?;

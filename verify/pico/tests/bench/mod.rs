@@ -163,9 +163,11 @@ pub(crate) fn plug(chip: &mut Chip) {
     chip.usb().plug();
     for _ in 0..100 {
         chip.run(HZ / 1000).expect("it runs");
-        if chip.usb().is_open() {
+        let host = chip.usb();
+        if host.is_open() {
             return;
         }
+        assert_eq!(host.failure, None);
     }
     panic!("the host finds no serial line within 0.1 s");
 }
