@@ -434,6 +434,8 @@ MISTAKES = [
     ("a frame without room on USB is cut", "board/rp2350/usb/mod.rs", "self.waiting.capacity() - self.waiting.len() < frame.len()", "self.waiting.capacity() == self.waiting.len()"),
     ("a USB packet is lost while its buffer is busy", "board/rp2350/usb/mod.rs", "if (!ends || self.was_full) && self.class.write_packet(&self.packet).is_ok() {", "if !ends || self.was_full {\n            let _ = self.class.write_packet(&self.packet);"),
     ("a full USB packet is not ended", "board/rp2350/usb/mod.rs", "if (!ends || self.was_full) && self", "if !ends && self"),
+    ("lost angles judge the pulses of the next search", "controller/homing.rs", "        self.homed_by_index = false;\n", ""),
+    ("joint 4 presses as joint 1 does", "controller/tracking.rs", "*torque4 += extra4;", "*torque4 += extra1;"),
 ]
 
 
