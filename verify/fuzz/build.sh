@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the fuzz targets with counters of coverage:
 #
-#   verify/fuzz/build.sh            decode, session, settings_pages
+#   verify/fuzz/build.sh            decode, points, session, settings_pages
 #   verify/fuzz/build.sh files      all of them; builds the program's library, too
 #
 # These are the flags of `cargo fuzz`, without its sanitizer, which needs a nightly compiler and

@@ -11,7 +11,7 @@ target=$(rustc -vV | sed -n 's/^host: //p')
 mkdir -p "corpus/$name" "artifacts/$name"
 case $name in
     decode) length=600 ;;
-    session) length=400 ;;
+    session | points) length=400 ;;
     settings_pages) length=4096 ;;
     svg | dxf | hpgl | table | picture) length=1000000 ;;
     *) length=6000 ;;

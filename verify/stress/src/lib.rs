@@ -18,6 +18,7 @@ pub mod exploration;
 mod kinds;
 pub mod limits;
 mod orders;
+mod points;
 mod report;
 pub mod rules;
 mod samples;
@@ -28,6 +29,7 @@ mod timed;
 mod way_out;
 
 pub use kinds::KINDS;
+pub use points::{PointsReport, run_points};
 pub use report::Report;
 pub use rules::Violation;
 pub use timed::timed_run;

@@ -8,8 +8,8 @@ use fivebar_firmware::settings::{AxisSettings, CheckedSettings, MotionSettings};
 use fivebar_firmware::{Planner, Request, Settings};
 use fivebar_kinematics::five_bar::{Geometry, Side};
 use fivebar_plant::{Mismatch, Parameters, Plant};
-use fivebar_stress::bytes_of;
 use fivebar_stress::limits::{Followed, Limits, Reached};
+use fivebar_stress::{bytes_of, run_points};
 
 /// Ticks of a millisecond.
 const MS: u32 = 10;
@@ -230,4 +230,20 @@ fn streams_that_are_cut_in_any_tick_end_at_rest_within_every_limit() {
 #[ignore = "ten thousand arms take minutes"]
 fn streams_of_ten_thousand_arms_end_at_rest_within_every_limit() {
     cut(10_000);
+}
+
+/// Most begin to move: points of which nothing is followed would show nothing.
+#[test]
+fn points_with_any_numbers_leave_the_arm_within_its_limits_and_at_rest() {
+    let (mut moved, mut given) = (0, 0);
+    for seed in 0..300 {
+        let report = run_points(&bytes_of(seed, 600))
+            .unwrap_or_else(|broken| panic!("seed {seed}: {broken}"));
+        moved += u32::from(report.followed > 0);
+        given += report.given;
+    }
+    assert!(
+        moved > 100 && given > 3000,
+        "{moved} of 300 moved, {given} points"
+    );
 }

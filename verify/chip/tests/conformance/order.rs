@@ -191,10 +191,11 @@ pub(crate) fn a_tick_accesses_as_many_slow_registers_as_the_bounds_add(
 ) {
     let arm = Connected::moving(image);
     let stop = image.stops[0];
-    for level in [Some(true), Some(false)] {
+    // The stop comes in one tick or another: a tick takes more frames of drives than the next one.
+    for level in [Some(true), Some(false)].repeat(8) {
         arm.unit.record.force(stop, level);
         arm.unit.chip().pins_changed();
-        arm.run(10 * image.tick);
+        arm.run(10 * image.tick + image.tick / 8);
     }
     let [first, second] = arm.unit.chip().most_accesses_in_a_tick();
     let found = format!("{}: {first} {second}", image.file);
