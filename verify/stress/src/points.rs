@@ -109,12 +109,11 @@ struct Host {
 impl Host {
     /// The next point.
     fn point(&mut self, bytes: &mut Bytes<'_>) -> StreamPoint {
-        let change = [(); 2].map(|()| bytes.within(-0.02, 0.02));
         let period = f64::from(PERIOD) * 1e-4;
-        for axis in 0..2 {
-            let before = self.velocity[axis];
-            self.velocity[axis] += f64::from(change[axis]);
-            self.place[axis] += 0.5 * period * (before + self.velocity[axis]);
+        for (place, rate) in self.place.iter_mut().zip(&mut self.velocity) {
+            let before = *rate;
+            *rate += f64::from(bytes.within(-0.02, 0.02));
+            *place += 0.5 * period * (before + *rate);
         }
         self.due = self.due.wrapping_add(u32::from(PERIOD));
         let mut point = StreamPoint {
