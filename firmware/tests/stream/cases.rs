@@ -415,3 +415,21 @@ fn moves_go_on_where_a_stream_has_ended() {
     let [ex, ey] = rig.tool_position();
     assert!((ex - x - 0.01).hypot(ey - y) < 1e-5, "{ex} {ey}");
 }
+
+/// Behind a pause the arm cannot make up for its way within the two milliseconds to the next point: that one is late, and the
+/// one behind it gives time enough.
+#[test]
+fn a_point_that_leaves_too_little_time_after_a_pause_is_late() {
+    let (mut stream, motion) = followed(200);
+    // The last point is passed by half a millisecond.
+    stream.ticks((DELAY - 1) * MS + MS / 2);
+    let late = counts(&stream)[0];
+    let now = stream.now();
+    let (n, mut point) = stream.point(&motion, now + 2 - DELAY);
+    // A millimetre farther than the motion is.
+    point.position.0 += 1e-3;
+    stream.give((n, point));
+    assert_eq!(counts(&stream)[0], late + 1);
+    assert_eq!(stream.progress().reason, Some(StreamReason::Late));
+    assert_eq!(stream.phase(), StreamPhase::Follows);
+}

@@ -328,7 +328,13 @@ impl Planner {
             after: start.ends_after.unwrap_or(0.0),
             ticks,
         };
-        let (piece, kept_from) = self.piece_towards(stream, &way, (n, point), now)?;
+        let towards = self.piece_towards(stream, &way, (n, point), now);
+        let stops = stream.config.policy == StreamPolicy::Stop;
+        let (piece, kept_from) = towards.map_err(|reason| match (reason, start.ends_after) {
+            // It came so late that the arm cannot be there in time; the next one gives more.
+            (StreamReason::Limit(_), Some(_)) if stops => StreamReason::Late,
+            (reason, _) => reason,
+        })?;
         self.splice(controller, stream, &start, &piece)?;
         kept_from.map_or(Ok(()), Err)
     }
