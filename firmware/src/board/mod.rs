@@ -1,7 +1,7 @@
 //! What a board is.
 //!
 //! A board is a folder here. It holds the drivers of its registers and its program, of which those with a chip of their own share
-//! [`image`]. The program
+//! the folder `image`. The program
 //!
 //! - gives the controller an [`ArmSample`](crate::ArmSample) at each tick, and its [`ArmCommand`](crate::ArmCommand) to the drives or, where
 //!   the host steps the ticks, to the host;
